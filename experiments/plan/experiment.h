@@ -1,0 +1,58 @@
+// An experiment as values: the product of its axes, and what follows from it. Plain data without
+// rules of its own; experiment_file.h reads it, resolve.h (one layer up) checks it against the
+// renderer's catalogues and makes it a plan.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/plan/task.h"
+
+namespace misbench {
+
+// What the images of one scene are compared with: two independent halves, so that the noise of the
+// reference cancels from the error.
+enum class Role { Test, ReferenceA, ReferenceB };
+std::string to_string(Role role);           // "test", "reference_a", "reference_b"
+Role role_from_string(const std::string&);  // throws InvalidArgument
+
+// One scene × method × budget × seed of an experiment, and the task that fills it. Several cells
+// may share a task (two labels for the same effective parameters).
+struct Cell {
+    std::string scene;
+    std::string method;  // the user's label; "reference" for the reference's halves
+    Budget budget;
+    std::int64_t seed = 0;
+    Role role = Role::Test;
+    Task task;
+    bool operator==(const Cell&) const = default;
+};
+
+struct PlannedScene {
+    std::string name;
+    double exposure = 0;  // stops, for display
+    bool operator==(const PlannedScene&) const = default;
+};
+
+// A resolved experiment: everything that tables and reports need to know about it, in the order in
+// which the user wrote it. Stored as JSON with the results.
+struct Plan {
+    std::string experiment;  // name, the key in a store
+    std::string description;
+    std::vector<PlannedScene> scenes;
+    std::vector<std::string> methods;  // labels
+    std::vector<Budget> budgets;
+    std::string baseline;              // a label
+    std::vector<std::string> metrics;  // ids; the first is the one that tables show by default
+    std::vector<Cell> cells;           // references first, then tests, seeds outermost
+    std::string configuration;         // the effective experiment file, defaults filled in, as JSON
+    bool operator==(const Plan&) const = default;
+};
+
+nlohmann::json plan_to_json(const Plan& plan);
+Plan plan_from_json(const nlohmann::json& json);  // throws InvalidArgument
+
+}  // namespace misbench

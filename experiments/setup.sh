@@ -1,0 +1,41 @@
+# Shared by quickstart.sh and tests/run.sh, which source it: the packages, and the build.
+# Works on Debian 12. Needs bash; run from anywhere.
+
+source_folder="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+
+packages=(
+  build-essential ccache cmake git ninja-build
+  libboost-dev libcli11-dev libembree-dev libgrpc++-dev libopenexr-dev libpng-dev
+  libprotobuf-dev librandom123-dev libspdlog-dev libsqlite3-dev libssl-dev libyaml-cpp-dev
+  nlohmann-json3-dev protobuf-compiler protobuf-compiler-grpc
+  libbenchmark-dev libgmock-dev libgtest-dev
+)
+
+# Installs what is missing, and says so first.
+install_packages() {
+  local missing=()
+  local name
+  for name in "${packages[@]}"; do
+    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null)" != installed ]; then
+      missing+=("$name")
+    fi
+  done
+  [ ${#missing[@]} -eq 0 ] && return
+  local sudo=()
+  [ "$(id -u)" -eq 0 ] || sudo=(sudo)
+  echo "Installing from apt: ${missing[*]}"
+  "${sudo[@]}" apt-get update
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y --no-install-recommends "${missing[@]}"
+}
+
+# build_preset PRESET [TARGET...]
+build_preset() {
+  local preset=$1
+  shift
+  (
+    cd "$source_folder"
+    cmake --preset "$preset"
+    cmake --build --preset "$preset" ${1:+--target "$@"}
+  )
+}

@@ -1,0 +1,37 @@
+// An image: linear RGB, float, row 0 on top.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace misbench {
+
+struct Image {
+    int width = 0;
+    int height = 0;
+    std::vector<float> rgb;  // 3 · width · height, interleaved
+
+    Image() = default;
+    Image(int w, int h)
+        : width(w),
+          height(h),
+          rgb(3 * static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0F) {}
+    std::size_t n_pixels() const { return rgb.size() / 3; }
+    bool operator==(const Image&) const = default;
+};
+
+// Float RGB, uncompressed (Monte Carlo noise does not compress), with string attributes in the
+// header; written whole or not at all. write_exr throws DataLoss, read_exr NotFound or DataLoss,
+// both naming the file.
+void write_exr(const std::filesystem::path& path, const Image& image,
+               const std::map<std::string, std::string>& attributes = {});
+Image read_exr(const std::filesystem::path& path);
+
+// An 8-bit sRGB PNG in memory of the image times 2^exposure, clamped to [0, 1]; non-finite pixels
+// are magenta.
+std::string encode_png(const Image& image, double exposure);
+
+}  // namespace misbench

@@ -1,0 +1,1 @@
+misbench_test(base_test unit misbench_base)
