@@ -1,0 +1,23 @@
+// Maps from the unit square to the domains that are sampled, each with its density beside it.
+#pragma once
+
+#include "renderer/math/vec.h"
+
+namespace misbench {
+
+// Cosine-weighted direction on the upper hemisphere; density z/π, solid angle measure.
+inline Vec3 warp_cosine_hemisphere(Vec2 u) {
+    const float radius = std::sqrt(u.x);
+    const float phi = 2 * kPi * u.y;
+    return {radius * std::cos(phi), radius * std::sin(phi), std::sqrt(std::max(0.0F, 1 - u.x))};
+}
+inline float density_cosine_hemisphere(float cos_theta) { return std::max(0.0F, cos_theta) / kPi; }
+
+// Barycentric coordinates (of the second and third corner) uniform over a triangle; density
+// 1/area, area measure.
+inline Vec2 warp_triangle(Vec2 u) {
+    const float root = std::sqrt(u.x);
+    return {(1 - u.y) * root, u.y * root};
+}
+
+}  // namespace misbench

@@ -1,0 +1,58 @@
+// A method: one way to estimate the image. One instance serves one run and owns all it learns.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "renderer/base/parameters.h"
+
+namespace misbench {
+
+class Scene;
+class PassContext;
+
+struct FrameInfo {
+    int width = 0;
+    int height = 0;
+};
+
+// What becomes of the passes rendered so far, this one included.
+enum class PassOutcome { Keep, Drop };
+
+class Method {
+ public:
+    virtual ~Method() = default;
+    // Called once, before the first pass. The scene outlives the method.
+    virtual void start(const Scene& scene, FrameInfo frame) = 0;
+    // One pass over the whole image: one sample a pixel, parallel inside by means of the context.
+    virtual void pass(PassContext& context) = 0;
+    // Serial, after a completed pass: filter, train, decide. The pass number never goes back, also
+    // when the frame is dropped.
+    virtual PassOutcome finish_pass() { return PassOutcome::Keep; }
+    // What the method decided or counted, for the record. Adds keys to a JSON object.
+    virtual void describe(nlohmann::json& json) const;
+};
+
+struct ParameterInfo {
+    std::string name;
+    ParameterValue default_value;
+    std::string help;
+};
+
+// A row of the catalogue.
+struct MethodInfo {
+    std::string_view name;
+    std::string_view summary;
+    int version;           // part of a run's identity; bump it when the estimator's samples change
+    bool may_be_negative;  // samples below zero are part of the estimator
+    std::vector<ParameterInfo> (*parameters)();
+    // Defaults filled in, types and values checked. Throws ParameterError with what is known.
+    ParameterMap (*effective)(const ParameterMap& given);
+    std::unique_ptr<Method> (*make)(const ParameterMap& given);
+};
+
+}  // namespace misbench

@@ -1,0 +1,10 @@
+// The path tracer.
+#pragma once
+
+#include "renderer/methods/method.h"
+
+namespace misbench {
+
+extern const MethodInfo kPath;
+
+}  // namespace misbench

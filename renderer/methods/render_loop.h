@@ -1,0 +1,44 @@
+// The render loop owns budget, clock, threads and validity; a method never reads a clock.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "renderer/base/budget.h"
+#include "renderer/base/parameters.h"
+#include "renderer/base/render_statistics.h"
+#include "renderer/image/image.h"
+
+namespace misbench {
+
+class Scene;
+struct MethodInfo;
+
+struct RenderRequest {
+    std::string method;
+    ParameterMap parameters;
+    int width = 0;
+    int height = 0;
+    Budget budget = {};
+    std::int64_t seed = 0;
+    int threads = 1;
+    // Polled between chunks; true abandons the render. Empty: never.
+    std::function<bool()> abandon = {};
+};
+
+struct RenderResult {
+    Image image;                  // the mean over the counted passes
+    RenderStatistics statistics;  // load_seconds and build_seconds are the caller's to fill
+    bool valid = true;            // RenderStatistics' counts against what the method declares
+    std::string description;      // what the method decided, as JSON text
+    bool abandoned = false;       // then nothing else is meaningful
+};
+
+// An equal-sample render gives the same bits for every number of threads. A time budget that ends
+// before the first pass is complete gives a black image with 0 passes, which is not valid.
+RenderResult render(const Scene& scene, const RenderRequest& request);
+// The same with a method that need not be in the catalogue; request.method is not read.
+RenderResult render(const Scene& scene, const MethodInfo& info, const RenderRequest& request);
+
+}  // namespace misbench

@@ -1,0 +1,58 @@
+// Small scenes with a known answer, made in memory.
+#pragma once
+
+#include "renderer/scene/scene.h"
+
+namespace misbench::test {
+
+// A quadrilateral of two triangles, counter-clockwise seen from its front.
+inline Mesh quad(Vec3 a, Vec3 b, Vec3 c, Vec3 d, std::size_t material, Rgb emission = {}) {
+    Mesh mesh;
+    mesh.positions = {a, b, c, d};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.material = material;
+    mesh.emission = emission;
+    return mesh;
+}
+
+// The box [-1, 1]³ seen from inside: all six faces look inwards, have the material and emit.
+inline SceneDescription furnace(const Material& material, Rgb emission) {
+    SceneDescription scene;
+    scene.materials = {material};
+    const auto add = [&](Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+        scene.meshes.push_back(quad(a, b, c, d, 0, emission));
+    };
+    add({-1, -1, 1}, {1, -1, 1}, {1, -1, -1}, {-1, -1, -1});  // floor, looks up
+    add({-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1});      // ceiling, looks down
+    add({-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1});  // back, looks to +z
+    add({-1, 1, 1}, {1, 1, 1}, {1, -1, 1}, {-1, -1, 1});      // front, looks to -z
+    add({-1, -1, 1}, {-1, -1, -1}, {-1, 1, -1}, {-1, 1, 1});  // left, looks to +x
+    add({1, 1, 1}, {1, 1, -1}, {1, -1, -1}, {1, -1, 1});      // right, looks to -x
+    scene.camera.vertical_fov_degrees = 60;
+    return scene;
+}
+
+inline constexpr float kLampHeight = 1.5F;
+inline constexpr float kLampHalfWidth = 0.8F;
+inline constexpr float kLampHalfDepth = 0.5F;
+
+// A large Lambert floor at y = 0 under a rectangular lamp that looks down (or up, if turned), and
+// a camera that looks at the point below the lamp's centre through a needle's eye.
+inline SceneDescription floor_under_lamp(Rgb reflectance, Rgb radiance, bool turned = false) {
+    SceneDescription scene;
+    scene.materials = {DiffuseMaterial{reflectance}, DiffuseMaterial{}};
+    scene.meshes.push_back(quad({-50, 0, 50}, {50, 0, 50}, {50, 0, -50}, {-50, 0, -50}, 0));
+    const float w = kLampHalfWidth;
+    const float d = turned ? -kLampHalfDepth : kLampHalfDepth;
+    const float h = kLampHeight;
+    scene.meshes.push_back(quad({-w, h, -d}, {w, h, -d}, {w, h, d}, {-w, h, d}, 1, radiance));
+    // At (0, 1, 4), looking along (0, -1, -4).
+    const Vec3 back = normalized({0, 1, 4});
+    const Vec3 up = cross(back, {1, 0, 0});
+    scene.camera.to_world.rows = {
+        {{1, up.x, back.x, 0}, {0, up.y, back.y, 1}, {0, up.z, back.z, 4}}};
+    scene.camera.vertical_fov_degrees = 0.01F;
+    return scene;
+}
+
+}  // namespace misbench::test

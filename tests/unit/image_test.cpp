@@ -1,0 +1,80 @@
+#include "renderer/image/image.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <limits>
+
+#include "renderer/base/error.h"
+#include "renderer/base/files.h"
+
+namespace misbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImageFile : public testing::Test {
+ protected:
+    void TearDown() override { fs::remove(path_); }
+    fs::path path_ =
+        fs::temp_directory_path() / ("misbench_" + std::to_string(::getpid()) + ".exr");
+};
+
+Image gradient(int width, int height) {
+    Image image(width, height);
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+        image.rgb[i] = 0.1F * static_cast<float>(i) - 1;
+    }
+    return image;
+}
+
+TEST_F(ImageFile, ComesBackBitByBit) {
+    Image image = gradient(7, 3);
+    image.rgb[4] = std::numeric_limits<float>::infinity();
+    image.rgb[5] = 1e-42F;
+    write_exr(path_, image, {{"scene", "Box"}});
+    EXPECT_EQ(read_exr(path_), image);
+}
+
+TEST_F(ImageFile, ThatIsCutShortIsAnErrorThatNamesIt) {
+    write_exr(path_, gradient(64, 64));
+    const std::string bytes = read_file(path_);
+    write_file_durably(path_, bytes.substr(0, bytes.size() / 2));
+    EXPECT_THAT([this] { read_exr(path_); },
+                testing::ThrowsMessage<Error>(testing::HasSubstr(path_.string())));
+    EXPECT_THROW(read_exr("no-such.exr"), Error);
+}
+
+// In a process of its own, whose files may have 300 bytes: 7 for the right error and no file.
+[[noreturn]] void write_with_little_room(const fs::path& path) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{.rlim_cur = 300, .rlim_max = 300};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+        write_exr(path, gradient(8, 4));
+    } catch (const Error& e) {
+        std::exit(e.code() == Errc::DataLoss && !fs::exists(path) ? 7 : 1);
+    }
+    std::exit(0);
+}
+
+TEST_F(ImageFile, ThatDoesNotFitOnTheDiskIsAnError) {
+    EXPECT_EXIT(write_with_little_room(path_), testing::ExitedWithCode(7), "");
+}
+
+TEST(Png, IsAPngOfTheRightSize) {
+    const std::string png = encode_png(gradient(5, 2), 0);
+    EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
+    EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\5\0\0\0\2", 8));
+}
+
+TEST(Png, DependsOnTheExposure) {
+    const Image image = gradient(8, 8);
+    EXPECT_NE(encode_png(image, 0), encode_png(image, 1));
+}
+
+}  // namespace
+}  // namespace misbench
