@@ -1,0 +1,158 @@
+#include "experiments/analysis/comparison.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "renderer/base/error.h"
+#include "results/metrics.h"
+
+namespace misbench {
+namespace {
+
+// What the store knows of the plan's runs, by run id.
+struct Known {
+    std::map<std::string, RunSummary> runs;
+    std::map<std::string, double> values;
+    std::set<std::string> failed;  // tasks
+};
+
+Known known_of(const Store& store, const Plan& plan, const std::string& metric) {
+    Known known{.runs = store.run_summaries(), .values = {}, .failed = {}};
+    for (const Measurement& m : store.measurements(plan)) {
+        if (m.metric == metric) known.values[m.run] = m.value;
+    }
+    for (const TaskRow& row : store.tasks()) {
+        if (row.state == TaskState::Failed) known.failed.insert(row.id);
+    }
+    return known;
+}
+
+// One seed's share. The means are sums until finish().
+void count(ComparedCell& cell, const Cell& planned, const Known& known) {
+    ++cell.n_planned;
+    const std::string id = task_id(planned.task);
+    const auto run = known.runs.find(id);
+    if (run == known.runs.end()) {
+        ++(known.failed.contains(id) ? cell.n_failed : cell.n_unfinished);
+        return;
+    }
+    const RunSummary& summary = run->second;
+    const bool by_time = std::holds_alternative<TimeBudget>(planned.budget);
+    cell.few_passes |= by_time && summary.passes < kFewPasses;
+    if (!summary.valid) {
+        ++cell.n_invalid;
+        return;
+    }
+    const auto value = known.values.find(id);
+    if (value == known.values.end()) {
+        ++cell.n_unreferenced;
+        return;
+    }
+    ++cell.n_measured;
+    cell.values.push_back(value->second);
+    cell.mean_passes += static_cast<double>(summary.passes);
+    cell.mean_wall_seconds += summary.wall_seconds;
+    cell.mean_cpu_seconds += summary.cpu_seconds;
+}
+
+std::optional<double> tail_of(std::vector<double> values) {
+    if (values.size() < kFewestForInterval) return std::nullopt;
+    std::ranges::sort(values);
+    const std::size_t middle = values.size() / 2;
+    const double median =
+        values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+    if (median <= 0) return std::nullopt;
+    return values.back() / median;
+}
+
+void finish(ComparedCell& cell) {
+    if (cell.n_measured > 0) {
+        cell.mean_passes /= cell.n_measured;
+        cell.mean_wall_seconds /= cell.n_measured;
+        cell.mean_cpu_seconds /= cell.n_measured;
+    }
+    cell.mean = estimate_mean(cell.values);
+    cell.tail = tail_of(cell.values);
+}
+
+std::vector<Budget> wanted_budgets(const Plan& plan, const std::optional<Budget>& budget) {
+    if (!budget) return plan.budgets;
+    if (std::ranges::find(plan.budgets, *budget) != plan.budgets.end()) return {*budget};
+    std::string known;
+    for (const Budget& b : plan.budgets) known.append(" '").append(to_string(b)).append("'");
+    throw ParameterError("budget", "experiment '" + plan.experiment + "' has no budget '" +
+                                       to_string(*budget) + "'; known:" + known);
+}
+
+std::string wanted_metric(const Plan& plan, const std::string& metric) {
+    const bool is_measured = std::ranges::find(plan.metrics, metric) != plan.metrics.end();
+    if (is_measured) return metric;
+    if (metric.empty() && !plan.metrics.empty()) return plan.metrics.front();
+    std::string known;
+    for (const std::string& m : plan.metrics) known.append(" ").append(m);
+    throw ParameterError("metric", "experiment '" + plan.experiment + "' does not measure '" +
+                                       metric + "'; known:" + known);
+}
+
+// The seeds of one cell of the table. Absent where the plan has none.
+std::optional<ComparedCell> compared_cell(const Plan& plan, const Known& known,
+                                          const std::string& scene, const Budget& budget,
+                                          const std::string& method) {
+    ComparedCell cell;
+    cell.scene = scene;
+    cell.method = method;
+    cell.budget = budget;
+    cell.is_baseline = method == plan.baseline;
+    for (const Cell& planned : plan.cells) {
+        if (planned.role == Role::Test && planned.scene == scene && planned.method == method &&
+            planned.budget == budget) {
+            count(cell, planned, known);
+        }
+    }
+    if (cell.n_planned == 0) return std::nullopt;
+    finish(cell);
+    return cell;
+}
+
+}  // namespace
+
+const ComparedCell* Comparison::find(const std::string& scene, const std::string& method,
+                                     const Budget& budget) const {
+    const auto found = std::ranges::find_if(cells, [&](const ComparedCell& cell) {
+        return cell.scene == scene && cell.method == method && cell.budget == budget;
+    });
+    return found == cells.end() ? nullptr : &*found;
+}
+
+Comparison compare(const Store& store, const Plan& plan, const std::string& metric,
+                   const std::optional<Budget>& budget) {
+    const Metric& measured = find_metric(wanted_metric(plan, metric));
+    Comparison comparison{.experiment = plan.experiment,
+                          .metric = std::string(measured.id),
+                          .formula = std::string(measured.formula),
+                          .less_is_better = measured.less_is_better,
+                          .baseline = plan.baseline,
+                          .scenes = {},
+                          .methods = plan.methods,
+                          .budgets = wanted_budgets(plan, budget),
+                          .cells = {}};
+    const Known known = known_of(store, plan, comparison.metric);
+    for (const PlannedScene& scene : plan.scenes) {
+        comparison.scenes.push_back(scene.name);
+        for (const Budget& b : comparison.budgets) {
+            for (const std::string& method : plan.methods) {
+                auto cell = compared_cell(plan, known, scene.name, b, method);
+                if (cell) comparison.cells.push_back(std::move(*cell));
+            }
+        }
+    }
+    for (ComparedCell& cell : comparison.cells) {
+        const ComparedCell* baseline = comparison.find(cell.scene, plan.baseline, cell.budget);
+        if (cell.is_baseline || baseline == nullptr) continue;
+        cell.ratio = estimate_ratio(cell.values, baseline->values);
+    }
+    return comparison;
+}
+
+}  // namespace misbench

@@ -1,0 +1,154 @@
+#include "results/schema.h"
+
+#include <chrono>
+
+#include "renderer/base/error.h"
+
+namespace misbench {
+namespace {
+
+// Any change of a table or view counts it up; `misbench reindex` is the way from one to the next.
+constexpr int kSchemaVersion = 1;
+constexpr int kApplicationId = 0x6d697362;  // "misb"
+
+// Comments inside a statement stay in the database, where `.schema` shows them.
+constexpr const char* kTables = R"sql(
+CREATE TABLE meta (
+    id INTEGER PRIMARY KEY CHECK (id = 1),
+    next_epoch INTEGER NOT NULL  -- of the next lease that is granted
+) STRICT;
+
+CREATE TABLE experiments (
+    name TEXT PRIMARY KEY,
+    submitted_at_ms INTEGER NOT NULL,  -- Unix time, different for each
+    file_sha256 TEXT NOT NULL          -- of experiments/NAME.json
+) STRICT;
+
+CREATE TABLE tasks (  -- the job table: its rows are the state of the queue
+    id TEXT PRIMARY KEY,
+    task TEXT NOT NULL CHECK (json_valid(task)),
+    block TEXT NOT NULL,
+    position INTEGER NOT NULL,
+    state TEXT NOT NULL CHECK (state IN ('pending', 'leased', 'done', 'failed')),
+    epoch INTEGER NOT NULL DEFAULT 0 CHECK (epoch >= 0),
+    worker TEXT NOT NULL DEFAULT '',
+    losses INTEGER NOT NULL DEFAULT 0 CHECK (losses >= 0),
+    failures INTEGER NOT NULL DEFAULT 0 CHECK (failures >= 0),
+    error TEXT NOT NULL DEFAULT ''
+) STRICT;
+CREATE INDEX tasks_by_position ON tasks (position);
+
+CREATE TABLE cells (  -- of the experiments: scene × method × budget × seed
+    experiment TEXT NOT NULL REFERENCES experiments (name) ON DELETE CASCADE,
+    position INTEGER NOT NULL,
+    scene TEXT NOT NULL,
+    method TEXT NOT NULL,  -- the label in the experiment
+    budget TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    role TEXT NOT NULL CHECK (role IN ('test', 'reference_a', 'reference_b')),
+    task TEXT NOT NULL REFERENCES tasks (id),
+    reference_a TEXT,  -- tasks of the reference's halves
+    reference_b TEXT,
+    PRIMARY KEY (experiment, position),
+    CHECK ((reference_a IS NULL) = (reference_b IS NULL))
+) STRICT, WITHOUT ROWID;
+CREATE INDEX cells_by_task ON cells (task);
+
+CREATE TABLE runs (  -- an index of runs/ID/record.json; a run has the id of its task
+    id TEXT PRIMARY KEY,
+    scene TEXT NOT NULL,
+    scene_hash TEXT NOT NULL,
+    width INTEGER NOT NULL CHECK (width > 0),
+    height INTEGER NOT NULL CHECK (height > 0),
+    method TEXT NOT NULL,  -- of the program, not the label
+    method_version INTEGER NOT NULL,
+    parameters TEXT NOT NULL CHECK (json_valid(parameters)),
+    budget TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    valid INTEGER NOT NULL CHECK (valid IN (0, 1)),
+    passes INTEGER NOT NULL CHECK (passes >= 0),
+    threads INTEGER NOT NULL,
+    wall_seconds REAL NOT NULL,
+    cpu_seconds REAL NOT NULL,
+    rays INTEGER NOT NULL,
+    nonfinite_samples INTEGER NOT NULL,
+    negative_samples INTEGER NOT NULL,
+    involuntary_context_switches INTEGER NOT NULL,
+    steal_seconds REAL NOT NULL,
+    worker TEXT NOT NULL,
+    epoch INTEGER NOT NULL,
+    finished_at TEXT NOT NULL,
+    build_id TEXT NOT NULL,
+    cpu_model TEXT NOT NULL,
+    isa TEXT NOT NULL
+) STRICT;
+CREATE INDEX runs_by_cost ON runs (scene_hash, method, cpu_seconds, passes, width, height);
+
+CREATE TABLE measurements (
+    run TEXT NOT NULL REFERENCES runs (id),
+    reference_a TEXT NOT NULL REFERENCES runs (id),
+    reference_b TEXT NOT NULL REFERENCES runs (id),
+    metric TEXT NOT NULL,
+    value REAL NOT NULL,
+    PRIMARY KEY (run, reference_a, reference_b, metric)
+) STRICT, WITHOUT ROWID;
+
+CREATE VIEW results AS
+-- One row for each tested cell and metric; a cell without measurements has one row, whose metric
+-- and value are NULL. state: pending, leased, failed, done, or invalid for a run that has
+-- non-finite samples. method is the label in the experiment.
+SELECT c.experiment, c.scene, c.method, c.budget, c.seed,
+       CASE WHEN r.valid = 0 THEN 'invalid' ELSE t.state END AS state,
+       m.metric, m.value,
+       r.id AS run, r.valid, r.passes, r.threads, r.wall_seconds, r.cpu_seconds, r.rays,
+       r.parameters, r.worker, r.finished_at, t.error
+FROM cells c
+JOIN tasks t ON t.id = c.task
+LEFT JOIN runs r ON r.id = c.task
+LEFT JOIN measurements m ON m.run = c.task AND m.reference_a = c.reference_a
+                        AND m.reference_b = c.reference_b
+WHERE c.role = 'test';
+)sql";
+
+void create_tables(const Database& database) {
+    const auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
+        std::chrono::system_clock::now().time_since_epoch());
+    Transaction transaction(database);
+    database.execute(kTables);
+    // Above all epochs of a database that was here before, as long as leases were granted at less
+    // than one a millisecond over its life.
+    database.prepare("INSERT INTO meta VALUES (1, ?1)").bind(now.count()).run();
+    database.execute("PRAGMA application_id = " + std::to_string(kApplicationId));
+    database.execute("PRAGMA user_version = " + std::to_string(kSchemaVersion));
+    transaction.commit();
+}
+
+bool is_empty(const Database& database) {
+    return database.integer("SELECT count(*) FROM sqlite_schema") == 0 &&
+           database.integer("PRAGMA application_id") == 0;
+}
+
+}  // namespace
+
+std::unique_ptr<Database> open_database(const std::filesystem::path& path,
+                                        Database::Access access) {
+    auto database = std::make_unique<Database>(path, access);
+    const bool writable = access == Database::Access::ReadWrite;
+    if (writable && is_empty(*database)) create_tables(*database);
+    if (database->integer("PRAGMA application_id") != kApplicationId) {
+        throw Error(Errc::FailedPrecondition,
+                    "open '" + path.string() + "': it is not the database of a misbench store");
+    }
+    const auto version = database->integer("PRAGMA user_version");
+    if (version != kSchemaVersion) {
+        throw Error(Errc::FailedPrecondition,
+                    "open '" + path.string() + "': its schema is version " +
+                        std::to_string(version) + ", this program's is " +
+                        std::to_string(kSchemaVersion) +
+                        "; `misbench reindex` makes it anew from the runs");
+    }
+    if (writable) database->begin_writing();
+    return database;
+}
+
+}  // namespace misbench

@@ -1,0 +1,144 @@
+// The results store: a directory with results.sqlite, one directory per run and one JSON file per
+// experiment. The files are the truth, the database is an index over them plus the job table.
+//
+//   STORE/results.sqlite         index, job table, measurements
+//   STORE/experiments/NAME.json  the plan of each experiment
+//   STORE/runs/ID/image.exr      float RGB, the mean over the passes
+//   STORE/runs/ID/record.json    results/record.h
+//   STORE/incoming/              uploads in progress; emptied when a writer opens the store
+//   STORE/damaged/               what was found damaged is set aside here, nothing is deleted
+//   STORE/lock                   held by the one process that writes
+//
+// One Store object and one SQLite connection per thread of use; not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/plan/experiment.h"
+#include "renderer/base/files.h"
+#include "renderer/image/image.h"
+#include "results/record.h"
+
+namespace misbench {
+
+class Database;
+
+enum class TaskState { Pending, Leased, Done, Failed };
+std::string to_string(TaskState state);
+
+// A row of the job table.
+struct TaskRow {
+    std::string id;
+    Task task;
+    std::string block;          // tasks of one block belong on one worker
+    std::int64_t position = 0;  // order of work
+    TaskState state = TaskState::Pending;
+    std::int64_t epoch = 0;  // of the last grant, 0 before the first
+    std::string worker;      // of the last grant
+    int losses = 0;          // leases that expired
+    int failures = 0;        // errors a worker reported
+    std::string error;       // of the last failure
+};
+
+enum class Recorded { New, AlreadyThere };
+
+// A number of one run. There is none for an invalid run or one whose reference is missing.
+struct Measurement {
+    std::string run;
+    std::string reference_a;  // run ids of the reference's halves
+    std::string reference_b;
+    std::string metric;
+    double value = 0;
+};
+
+// What tables need of a run, without opening its record.
+struct RunSummary {
+    bool valid = true;
+    std::int64_t passes = 0;
+    double wall_seconds = 0;
+    double cpu_seconds = 0;
+};
+
+// What was indexed from files: runs and experiments that had no row, and what was set aside in
+// STORE/damaged/, by its path in the store.
+struct Reindexed {
+    int runs = 0;
+    int experiments = 0;
+    std::vector<std::string> damaged;
+};
+
+class Store {
+ public:
+    enum class Access { ReadOnly, ReadWrite };
+
+    // ReadWrite creates the store if needed, takes its lock, empties incoming/ and adds to the
+    // index what a crash left out of it, also when results.sqlite is gone. ReadOnly never changes
+    // a byte and needs no lock. Throws NotFound (ReadOnly, no store), FailedPrecondition (in use,
+    // read-only, other schema version, not a store), DataLoss (damaged, disk full).
+    Store(const std::filesystem::path& folder, Access access);
+    ~Store();
+    Store(Store&&) noexcept;
+    Store& operator=(Store&&) noexcept;
+
+    const std::filesystem::path& folder() const { return folder_; }
+
+    // --- experiments ---------------------------------------------------------------------------
+    // Writes the plan's file, then its rows: cells, and tasks that are new. Replaces an experiment
+    // of the same name; its runs stay. A Failed task that is planned again becomes Pending, with
+    // its losses and failures forgotten. A task that no experiment asks for any more leaves the job
+    // table, unless it is Leased. Throws InvalidArgument for a name that cannot be a file's.
+    void put_experiment(const Plan& plan);
+    std::vector<std::string> experiments() const;  // names, the latest put first
+    // "" means the latest. Throws NotFound with the names that are known.
+    Plan experiment(const std::string& name) const;
+
+    // --- job table -----------------------------------------------------------------------------
+    std::vector<TaskRow> tasks() const;  // by position
+    std::optional<TaskRow> task(const std::string& id) const;
+    // Epochs grow over the whole life of a store; a rebuilt database starts above all before it.
+    // Durable when it returns.
+    std::int64_t next_epoch();
+    // State, epoch, worker, losses, failures, error. Nothing happens for a task that has left.
+    void save_task_state(const TaskRow& row);
+
+    // --- runs ----------------------------------------------------------------------------------
+    // A fresh folder in incoming/ to put image.exr and record.json into.
+    std::filesystem::path stage(const std::string& task, std::int64_t epoch) const;
+    // Publishes a staged folder as the run's directory, then the run's row and its task's Done.
+    // The folder is removed when the run is already there. Throws DataLoss, with the folder left
+    // as it is, when the record is damaged or the image is not the one that it names.
+    Recorded commit_run(const std::filesystem::path& staged);
+    bool has_run(const std::string& id) const;
+    std::optional<Record> run(const std::string& id) const;
+    Image run_image(const std::string& id) const;
+    std::filesystem::path run_folder(const std::string& id) const;
+    std::map<std::string, RunSummary> run_summaries() const;  // by id
+    // CPU seconds (of all threads) per pixel and pass, over all runs seen so far of this scene
+    // content and method, if any.
+    std::optional<double> seconds_per_sample(const std::string& scene_hash,
+                                             const std::string& method) const;
+
+    // --- measurements --------------------------------------------------------------------------
+    // Computes and stores what the plan's metrics still lack, wherever the run and both halves of
+    // its reference are there and valid. Returns how many were added.
+    int measure(const Plan& plan);
+    std::vector<Measurement> measurements(const Plan& plan) const;
+
+ private:
+    std::filesystem::path folder_;
+    std::unique_ptr<FileLock> lock_;
+    std::unique_ptr<Database> database_;
+};
+
+// Rebuilds the database of a store from its run directories and experiment files, measures anew,
+// and only then puts it in the place of the old one. What only the old database knew is lost: how
+// often tasks failed. Throws like opening for ReadWrite, and NotFound when the folder is no store.
+Reindexed reindex(const std::filesystem::path& folder);
+
+}  // namespace misbench

@@ -1,0 +1,11 @@
+misbench_test(record_test unit misbench_results)
+misbench_test(metrics_test unit misbench_results)
+misbench_test(sqlite_test unit misbench_results)
+misbench_test(store_test unit misbench_results)
+misbench_test(store_database_test unit misbench_results)
+misbench_test(store_disk_test unit misbench_results)
+misbench_test(reindex_test unit misbench_results)
+misbench_test(comparison_test unit misbench_analysis)
+misbench_test(intervals_test stat misbench_analysis)
+
+misbench_bench(results_bench misbench_results)

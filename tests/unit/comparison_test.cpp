@@ -1,0 +1,148 @@
+#include "experiments/analysis/comparison.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "renderer/base/error.h"
+#include "tests/support/made_up_store.h"
+
+namespace misbench {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class ComparisonTest : public testing::Test {
+ protected:
+    ComparisonTest() : store_(temporary_.path() / "store", Store::Access::ReadWrite) {
+        store_.put_experiment(plan_);
+    }
+
+    void commit(const Cell& cell, const RecordChange& change = {}) {
+        commit_made_up_run(store_, cell.task, change);
+    }
+
+    const Plan plan_ = made_up_plan("first", 5);
+    const Budget budget_ = SampleBudget{16};
+
+ private:
+    TemporaryFolder temporary_;
+
+ protected:
+    Store store_;
+};
+
+TEST_F(ComparisonTest, SaysWhichMethodIsBetterAndHowSureThatIs) {
+    commit_all(store_, plan_);
+    store_.measure(plan_);
+    const Comparison comparison = compare(store_, plan_);
+    EXPECT_EQ(comparison.metric, "relmse.eps0.01");
+    EXPECT_TRUE(comparison.less_is_better);
+    EXPECT_THAT(comparison.scenes, ElementsAre("Box"));
+    ASSERT_EQ(comparison.cells.size(), 2U);
+    const ComparedCell& plain = comparison.cells[0];
+    const ComparedCell& clever = comparison.cells[1];
+    EXPECT_EQ(comparison.find("Box", "clever", budget_), &clever);
+    EXPECT_EQ(comparison.find("Box", "clever", SampleBudget{8}), nullptr);
+    EXPECT_TRUE(plain.is_baseline && plain.is_complete() && !plain.ratio);
+    EXPECT_EQ(plain.n_measured, 5);
+    EXPECT_EQ(plain.mean_passes, 16);
+    EXPECT_DOUBLE_EQ(plain.mean->value,
+                     std::accumulate(plain.values.begin(), plain.values.end(), 0.0) / 5);
+    // Half the noise is a quarter of the error.
+    ASSERT_TRUE(clever.ratio);
+    EXPECT_NEAR(clever.ratio->value, 0.25, 0.1);
+    EXPECT_DOUBLE_EQ(clever.ratio->value, clever.mean->value / plain.mean->value);
+    EXPECT_TRUE(clever.ratio_excludes_one());
+    EXPECT_FALSE(clever.has_heavy_tail());
+}
+
+TEST_F(ComparisonTest, CountsWhatBecameOfEverySeed) {
+    // Of the five seeds of "clever": measured, invalid, failed, unfinished, unfinished.
+    for (const Cell& cell : plan_.cells) {
+        if (cell.method == "clever" && cell.seed >= 3) continue;
+        const bool valid = cell.method != "clever" || cell.seed != 2;
+        commit(cell, [valid](Record& record) { record.valid = valid; });
+    }
+    for (TaskRow row : store_.tasks()) {
+        if (row.task.method != "clever" || row.task.seed != 3) continue;
+        row.state = TaskState::Failed;
+        store_.save_task_state(row);
+    }
+    const Comparison before = compare(store_, plan_);
+    EXPECT_EQ(before.cells[1].n_unreferenced, 1);
+    store_.measure(plan_);
+    const Comparison comparison = compare(store_, plan_);
+    const ComparedCell& clever = comparison.cells[1];
+    EXPECT_EQ(clever.n_planned, 5);
+    EXPECT_EQ(clever.n_measured, 1);
+    EXPECT_EQ(clever.n_invalid, 1);
+    EXPECT_EQ(clever.n_failed, 1);
+    EXPECT_EQ(clever.n_unfinished, 2);
+    EXPECT_EQ(clever.n_unreferenced, 0);
+    EXPECT_FALSE(clever.is_complete());
+    ASSERT_TRUE(clever.ratio);
+    EXPECT_EQ(clever.ratio->why_none, NoInterval::TooFewValues);
+    EXPECT_FALSE(clever.ratio_excludes_one());
+    EXPECT_EQ(clever.tail, std::nullopt);
+}
+
+TEST_F(ComparisonTest, HasNoNumbersBeforeTheFirstRun) {
+    const Comparison comparison = compare(store_, plan_);
+    for (const ComparedCell& cell : comparison.cells) {
+        EXPECT_EQ(cell.n_unfinished, 5);
+        EXPECT_FALSE(cell.mean || cell.ratio || cell.tail);
+    }
+}
+
+TEST_F(ComparisonTest, LeavesOutExcludedCellsAndHasNoRatioWithoutTheirBaseline) {
+    Plan plan = plan_;
+    std::erase_if(plan.cells, [](const Cell& cell) { return cell.method == "plain"; });
+    commit_all(store_, plan);
+    store_.measure(plan);
+    const Comparison comparison = compare(store_, plan);
+    ASSERT_EQ(comparison.cells.size(), 1U);
+    EXPECT_TRUE(comparison.cells[0].mean && !comparison.cells[0].ratio);
+}
+
+TEST_F(ComparisonTest, MarksFewPassesUnderATimeBudgetOnly) {
+    const Budget time = TimeBudget{0.5, BudgetClock::Cpu};
+    for (const Budget& budget : {time, budget_}) {
+        const Plan plan = made_up_plan("second", 3, budget);
+        for (const Cell& cell : plan.cells) {
+            const bool few = cell.method == "clever" && cell.seed == 2;
+            commit(cell, [few](Record& record) {
+                record.statistics.passes = few ? kFewPasses - 1 : kFewPasses;
+            });
+        }
+        const Comparison comparison = compare(store_, plan);
+        EXPECT_FALSE(comparison.cells[0].few_passes);
+        EXPECT_EQ(comparison.cells[1].few_passes, budget == time);
+    }
+}
+
+TEST_F(ComparisonTest, TakesTheMetricAndTheBudgetAskedFor) {
+    commit_all(store_, plan_);
+    store_.measure(plan_);
+    EXPECT_EQ(compare(store_, plan_, "mse", budget_).metric, "mse");
+    EXPECT_NE(compare(store_, plan_, "mse").cells[0].values,
+              compare(store_, plan_).cells[0].values);
+    try {
+        compare(store_, plan_, "mean");
+        ADD_FAILURE() << "compared";
+    } catch (const ParameterError& e) {
+        EXPECT_STREQ(e.what(),
+                     "experiment 'first' does not measure 'mean'; known: relmse.eps0.01 mse");
+    }
+    try {
+        compare(store_, plan_, "mse", SampleBudget{17});
+        ADD_FAILURE() << "compared";
+    } catch (const ParameterError& e) {
+        EXPECT_STREQ(e.what(), "experiment 'first' has no budget '17 spp'; known: '16 spp'");
+    }
+}
+
+}  // namespace
+}  // namespace misbench

@@ -1,0 +1,198 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "renderer/base/error.h"
+#include "results/schema.h"
+#include "results/store.h"
+#include "tests/support/made_up_store.h"
+
+namespace misbench {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string message_of(Errc code, const auto& action) {
+    try {
+        action();
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), code) << e.what();
+        EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+        return e.what();
+    }
+    ADD_FAILURE() << "no error";
+    return "";
+}
+
+class StoreDatabaseTest : public testing::Test {
+ protected:
+    Store open(Store::Access access = Store::Access::ReadWrite) const { return {folder(), access}; }
+    fs::path folder() const { return temporary_.path() / "store"; }
+
+    const Plan plan_ = made_up_plan("first", 3);
+    const Task task_ = made_up_task("plain", 1, SampleBudget{16});
+
+ private:
+    TemporaryFolder temporary_;
+};
+
+// --- measurements ------------------------------------------------------------------------------
+
+TEST_F(StoreDatabaseTest, MeasuresOnceWhatIsThere) {
+    Store store = open();
+    store.put_experiment(plan_);
+    commit_all(store, plan_);
+    EXPECT_EQ(store.measure(plan_), 3 * 2 * 2);
+    EXPECT_EQ(store.measure(plan_), 0);
+    EXPECT_EQ(store.measurements(plan_).size(), 12U);
+    Plan more = plan_;
+    more.metrics.push_back("mean");
+    EXPECT_EQ(store.measure(more), 6);
+    EXPECT_EQ(store.measurements(plan_).size(), 12U);
+}
+
+TEST_F(StoreDatabaseTest, MeasuresNothingWithoutBothHalvesOfTheReference) {
+    Store store = open();
+    store.put_experiment(plan_);
+    for (std::size_t i = 1; i < plan_.cells.size(); ++i) {
+        commit_made_up_run(store, plan_.cells[i].task);
+    }
+    EXPECT_EQ(store.measure(plan_), 0);
+    // The other half comes, but it has non-finite samples.
+    commit_made_up_run(store, plan_.cells[0].task, [](Record& r) { r.valid = false; });
+    EXPECT_EQ(store.measure(plan_), 0);
+    Plan without = plan_;
+    std::erase_if(without.cells, [](const Cell& cell) { return cell.role != Role::Test; });
+    EXPECT_EQ(store.measure(without), 0);
+}
+
+TEST_F(StoreDatabaseTest, MeasuresNoInvalidRun) {
+    Store store = open();
+    store.put_experiment(plan_);
+    for (const Cell& cell : plan_.cells) {
+        const bool valid = cell.task != task_;
+        commit_made_up_run(store, cell.task, [valid](Record& r) { r.valid = valid; });
+    }
+    EXPECT_EQ(store.measure(plan_), 5 * 2);
+    for (const Measurement& m : store.measurements(plan_)) EXPECT_NE(m.run, task_id(task_));
+}
+
+TEST_F(StoreDatabaseTest, RefusesToStoreANumberThatIsNotFinite) {
+    Store store = open();
+    for (const Cell& cell : plan_.cells) {
+        const fs::path staged = stage_made_up_run(store, cell.task);
+        Image image = made_up_image(cell.task);
+        if (cell.task == task_) image.rgb[7] = std::numeric_limits<float>::quiet_NaN();
+        write_exr(staged / "image.exr", image);
+        Record record = made_up_record(cell.task);
+        record.image_sha256 = sha256_hex(read_file(staged / "image.exr"));
+        write_file_durably(staged / "record.json", record_to_json(record).dump());
+        store.commit_run(staged);
+    }
+    EXPECT_THAT(message_of(Errc::DataLoss, [&] { store.measure(plan_); }),
+                testing::AllOf(HasSubstr(task_id(task_)), HasSubstr("not finite")));
+    EXPECT_TRUE(store.measurements(plan_).empty());
+}
+
+// --- the database ------------------------------------------------------------------------------
+
+class Rows {
+ public:
+    Rows(const fs::path& folder, const std::string& sql)
+        : database_(open_database(folder / "results.sqlite", Database::Access::ReadOnly)),
+          select_(database_->prepare(sql)) {}
+    std::vector<std::string> column(int index) {
+        std::vector<std::string> values;
+        select_.bind();
+        while (select_.step()) values.push_back(select_.text(index));
+        return values;
+    }
+
+ private:
+    std::unique_ptr<Database> database_;
+    Statement select_;
+};
+
+TEST_F(StoreDatabaseTest, ViewShowsEveryTestedCellWithItsState) {
+    {
+        Store store = open();
+        store.put_experiment(plan_);
+        for (const Cell& cell : plan_.cells) {
+            if (cell.method == "clever" && cell.seed == 3) continue;
+            const bool valid = cell.method != "plain" || cell.seed != 2;
+            commit_made_up_run(store, cell.task, [valid](Record& r) { r.valid = valid; });
+        }
+        store.measure(plan_);
+    }
+    EXPECT_THAT(Rows(folder(),
+                     "SELECT method || seed || state FROM results WHERE "
+                     "ifnull(metric, 'mse') = 'mse' ORDER BY method, seed")
+                    .column(0),
+                ElementsAre("clever1done", "clever2done", "clever3pending", "plain1done",
+                            "plain2invalid", "plain3done"));
+    EXPECT_THAT(Rows(folder(),
+                     "SELECT DISTINCT experiment || scene || budget || passes FROM "
+                     "results WHERE value IS NOT NULL")
+                    .column(0),
+                ElementsAre("firstBox16 spp16"));
+}
+
+TEST_F(StoreDatabaseTest, TableOfOneExperimentNeverScansAWholeTable) {
+    open().put_experiment(plan_);
+    const auto steps = Rows(folder(),
+                            "EXPLAIN QUERY PLAN SELECT scene, method, avg(value) FROM "
+                            "results WHERE experiment = 'first' GROUP BY scene, method")
+                           .column(3);
+    EXPECT_FALSE(steps.empty());
+    for (const std::string& step : steps) EXPECT_THAT(step, testing::Not(HasSubstr("SCAN")));
+}
+
+TEST_F(StoreDatabaseTest, RefusesAnotherSchemaVersionAndSaysWhatHelps) {
+    open();
+    {
+        Database database(folder() / "results.sqlite", Database::Access::ReadWrite);
+        database.execute("PRAGMA user_version = 77");
+    }
+    for (const auto access : {Store::Access::ReadOnly, Store::Access::ReadWrite}) {
+        EXPECT_THAT(message_of(Errc::FailedPrecondition, [&] { open(access); }),
+                    HasSubstr("its schema is version 77, this program's is 1; `misbench reindex`"));
+    }
+}
+
+TEST_F(StoreDatabaseTest, LeavesAnotherProgramsDatabaseAlone) {
+    fs::create_directories(folder());
+    {
+        Database database(folder() / "results.sqlite", Database::Access::ReadWrite);
+        database.execute("CREATE TABLE photographs (name TEXT)");
+    }
+    const std::string bytes = read_file(folder() / "results.sqlite");
+    for (const auto access : {Store::Access::ReadOnly, Store::Access::ReadWrite}) {
+        EXPECT_THAT(message_of(Errc::FailedPrecondition, [&] { open(access); }),
+                    HasSubstr("not the database of a misbench store"));
+    }
+    EXPECT_EQ(read_file(folder() / "results.sqlite"), bytes);
+}
+
+TEST_F(StoreDatabaseTest, MakesNoStoreInAFolderOfOtherThings) {
+    fs::create_directories(folder() / "photographs");
+    EXPECT_THAT(message_of(Errc::FailedPrecondition, [&] { open(); }),
+                HasSubstr("has other files and is no store"));
+    EXPECT_FALSE(fs::exists(folder() / "runs"));
+    fs::remove(folder() / "photographs");
+    open();
+}
+
+TEST_F(StoreDatabaseTest, SaysThatADamagedDatabaseCanBeMadeAnew) {
+    open();
+    write_file_durably(folder() / "results.sqlite", std::string(8192, 'x'));
+    for (const auto access : {Store::Access::ReadOnly, Store::Access::ReadWrite}) {
+        EXPECT_THAT(message_of(Errc::DataLoss, [&] { open(access); }),
+                    testing::AllOf(HasSubstr("results.sqlite"), HasSubstr("misbench reindex")));
+    }
+}
+
+}  // namespace
+}  // namespace misbench
