@@ -1,0 +1,14 @@
+// Where a run was made, for its record.
+#pragma once
+
+#include <string>
+
+#include "results/record.h"
+
+namespace misbench {
+
+Provenance this_machine();
+std::string host_name();
+std::string utc_now();  // ISO 8601, to the second
+
+}  // namespace misbench
