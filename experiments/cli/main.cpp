@@ -1,0 +1,224 @@
+// misbench, the command line tool. Only this file knows CLI11 (it costs seconds to compile): it
+// turns a command line into the options of a verb (verbs.h) and an Error into an exit code.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "experiments/cli/output.h"
+#include "experiments/cli/verbs.h"
+#include "experiments/plan/suggestion.h"
+#include "renderer/base/build_info.h"
+#include "renderer/base/error.h"
+
+namespace misbench {
+namespace {
+
+using Chosen = std::function<int()>;
+
+// A subcommand that, when it is the one, makes `chosen` call `verb` with its options.
+template <typename Options>
+CLI::App& add_verb(CLI::App& app, const std::string& name, const std::string& help,
+                   int (*verb)(const Options&), const std::shared_ptr<Options>& options,
+                   Chosen& chosen) {
+    CLI::App* command = app.add_subcommand(name, help);
+    command->callback([&chosen, verb, options] { chosen = [=] { return verb(*options); }; });
+    return *command;
+}
+
+void add_scenes(CLI::App& verb, std::string& scenes) {
+    verb.add_option("--scenes", scenes, "folder in which scenes are found by name");
+}
+
+void add_experiment(CLI::App& verb, ExperimentOptions& experiment) {
+    verb.add_option("file", experiment.file, "experiment file (YAML)")->required();
+    verb.add_option("--set", experiment.overrides,
+                    "PATH=VALUE: override a value of the file, as in methods.pt.max_depth=3")
+        ->allow_extra_args(false);
+    add_scenes(verb, experiment.scenes);
+}
+
+void add_list(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<ListOptions>();
+    CLI::App& verb = add_verb(app, "list", "show what can be written in an experiment", list_verb,
+                              options, chosen);
+    verb.add_option("what", options->what, "methods, heuristics, metrics or scenes")
+        ->required()
+        ->check(CLI::IsMember({"methods", "heuristics", "metrics", "scenes"}));
+    verb.add_flag("--json", options->json, "as JSON");
+    add_scenes(verb, options->scenes);
+}
+
+void add_render(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<RenderOptions>();
+    options->threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    CLI::App& verb = add_verb(app, "render", "render a single image", render_verb, options, chosen);
+    verb.add_option("scene", options->scene, "name or path of a scene")->required();
+    verb.add_option("--method", options->method, "see `misbench list methods`")
+        ->capture_default_str();
+    verb.add_option("--set", options->parameters, "KEY=VALUE: a parameter of the method")
+        ->allow_extra_args(false);
+    auto* samples = verb.add_option("--spp", options->samples, "samples a pixel")
+                        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
+    auto* seconds = verb.add_option("--seconds", options->seconds, "or time")
+                        ->check(CLI::PositiveNumber)
+                        ->excludes(samples);
+    verb.add_option("--clock", options->clock, "of --seconds: cpu or wall")
+        ->check(CLI::IsMember({"cpu", "wall"}))
+        ->needs(seconds)
+        ->capture_default_str();
+    verb.add_option("--seed", options->seed, "")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    verb.add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+    verb.add_option("--threads", options->threads, "render threads")
+        ->check(CLI::Range(1, 4096))
+        ->capture_default_str();
+    verb.add_option("-o,--output", options->output, "image.exr (linear) or image.png (sRGB)")
+        ->required();
+    verb.add_option("--exposure", options->exposure, "stops, for .png")->capture_default_str();
+    verb.add_flag("--json", options->json, "write the run's record to stdout");
+    add_scenes(verb, options->scenes);
+}
+
+void add_plan(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<PlanOptions>();
+    CLI::App& verb = add_verb(app, "plan",
+                              "show the tasks of an experiment, which are done, and "
+                              "the time that the others will take",
+                              plan_verb, options, chosen);
+    add_experiment(verb, options->experiment);
+    verb.add_option("--store", options->store, "results store to look for finished tasks");
+    verb.add_flag("--json", options->json, "as JSON");
+}
+
+void add_run(CLI::App& app, Chosen& chosen, const std::string& command_line) {
+    const auto options = std::make_shared<RunOptions>();
+    options->command_line = command_line;
+    CLI::App& verb = add_verb(app, "run",
+                              "run an experiment and print its table; a second call "
+                              "resumes",
+                              run_verb, options, chosen);
+    add_experiment(verb, options->experiment);
+    verb.add_option("--store", options->store, "results store; made if it is not there")
+        ->required();
+    verb.add_option("--workers", options->workers, "worker processes")
+        ->check(CLI::Range(1, 1024))
+        ->capture_default_str();
+    verb.add_option("--threads-per-worker", options->threads_per_worker, "render threads of each")
+        ->check(CLI::Range(1, 4096))
+        ->capture_default_str();
+    verb.add_option("--progress", options->progress,
+                    "a line in place: auto (on a terminal), always, never")
+        ->check(CLI::IsMember({"auto", "always", "never"}))
+        ->capture_default_str();
+}
+
+void add_table(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<TableOptions>();
+    CLI::App& verb =
+        add_verb(app, "table", "print what an experiment says", table_verb, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "its name; default: the latest");
+    verb.add_option("--metric", options->metric, "its id; default: the experiment's first");
+    const CLI::IsMember is_axis({"scene", "method", "budget"});
+    verb.add_option("--rows", options->rows, "what goes down: scene, method or budget")
+        ->check(is_axis)
+        ->capture_default_str();
+    verb.add_option("--cols", options->columns, "what goes across; the third makes further rows")
+        ->check(is_axis)
+        ->capture_default_str();
+    verb.add_option("--format", options->format,
+                    "text, latex or markdown; csv and json list every cell in full precision")
+        ->check(CLI::IsMember({"text", "csv", "json", "latex", "markdown"}))
+        ->capture_default_str();
+}
+
+void add_report(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<ReportOptions>();
+    CLI::App& verb = add_verb(app, "report", "write the tables and images as one HTML file",
+                              report_verb, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "its name; default: the latest");
+    verb.add_option("-o,--output", options->output, "default: STORE/report.html");
+}
+
+void add_store_verb(CLI::App& app, Chosen& chosen, const std::string& name, const std::string& help,
+                    int (*function)(const StoreOptions&)) {
+    const auto options = std::make_shared<StoreOptions>();
+    CLI::App& verb = add_verb(app, name, help, function, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+}
+
+// As a shell would take it.
+std::string command_line_of(int argc, char** argv) {
+    std::string line;
+    for (int i = 0; i < argc; ++i) {
+        const std::string argument = argv[i];
+        const bool is_plain =
+            !argument.empty() &&
+            argument.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos;
+        std::string quoted;
+        for (const char c : argument)
+            quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        line += (i == 0 ? "" : " ") + (is_plain ? argument : "'" + quoted + "'");
+    }
+    return line;
+}
+
+// CLI11 would only say that a subcommand is required.
+void require_known_verb(const CLI::App& app, int argc, char** argv) {
+    if (argc < 2 || argv[1][0] == '-') return;
+    std::vector<std::string> known;
+    for (const CLI::App* verb : app.get_subcommands({})) known.push_back(verb->get_name());
+    if (std::ranges::find(known, argv[1]) == known.end()) {
+        throw Error(Errc::InvalidArgument, unknown_name("verb", argv[1], known));
+    }
+}
+
+int run_program(int argc, char** argv) {
+    CLI::App app("Compares Monte Carlo renderers: experiments, results, tables.", "misbench");
+    app.set_version_flag("--version", fmt::format("misbench {} ({}, {})", build_id(),
+                                                  build_compiler(), build_flags()));
+    app.require_subcommand(1);
+    app.footer(
+        "Exit codes: 0 done, 1 some tasks failed, 2 usage or experiment, 3 store,\n"
+        "4 coordinator out of reach, 70 a bug of misbench, 130 interrupted.");
+    Chosen chosen;
+    add_list(app, chosen);
+    add_render(app, chosen);
+    add_plan(app, chosen);
+    add_run(app, chosen, command_line_of(argc, argv));
+    add_table(app, chosen);
+    add_report(app, chosen);
+    add_store_verb(app, chosen, "status", "count the tasks of a store's experiments", status_verb);
+    add_store_verb(app, chosen, "reindex", "rebuild a store's database from its run directories",
+                   reindex_verb);
+    require_known_verb(app, argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() == 0) return app.exit(e);
+        print_error(std::string(e.what()) + "; see misbench --help");
+        return kExitUsage;
+    }
+    return chosen();
+}
+
+}  // namespace
+}  // namespace misbench
+
+int main(int argc, char** argv) {
+    try {
+        return misbench::run_program(argc, argv);
+    } catch (const misbench::Error& e) {
+        misbench::print_error(e.what());
+        return misbench::exit_code(e.code());
+    } catch (const std::exception& e) {
+        misbench::print_error(std::string("unexpected: ") + e.what());
+        return misbench::exit_code(misbench::Errc::Internal);
+    }
+}

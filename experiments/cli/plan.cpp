@@ -1,0 +1,114 @@
+// misbench plan: what a run would do.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "experiments/cli/output.h"
+#include "experiments/cli/verbs.h"
+#include "experiments/cost_model.h"
+#include "experiments/report/numbers.h"
+#include "experiments/resolve.h"
+#include "experiments/scene_lookup.h"
+
+namespace misbench {
+namespace {
+
+struct PlannedTask {
+    std::string id;
+    const Cell* cell;
+    bool is_stored;
+    Cost cost;
+};
+
+struct Totals {
+    std::size_t n_stored = 0;
+    double seconds_to_do = 0;
+    bool has_guess = false;
+};
+
+// Each task once, in the order of work.
+std::vector<PlannedTask> tasks_of(const Plan& plan, const Store* store) {
+    CostModel costs(store);
+    std::vector<PlannedTask> tasks;
+    std::set<std::string> seen;
+    for (const Cell& cell : plan.cells) {
+        const std::string id = task_id(cell.task);
+        if (!seen.insert(id).second) continue;
+        tasks.push_back(
+            {id, &cell, store != nullptr && store->has_run(id), costs.estimate(cell.task)});
+    }
+    return tasks;
+}
+
+Totals total(const std::vector<PlannedTask>& tasks) {
+    Totals totals;
+    for (const PlannedTask& task : tasks) {
+        if (task.is_stored) {
+            ++totals.n_stored;
+            continue;
+        }
+        totals.seconds_to_do += task.cost.seconds;
+        totals.has_guess |= task.cost.is_guess;
+    }
+    return totals;
+}
+
+std::string to_json(const Plan& plan, const std::vector<PlannedTask>& tasks) {
+    const Totals totals = total(tasks);
+    nlohmann::ordered_json json = {{"experiment", plan.experiment},
+                                   {"tasks", tasks.size()},
+                                   {"in_store", totals.n_stored},
+                                   {"estimated_seconds", totals.seconds_to_do},
+                                   {"is_guess", totals.has_guess},
+                                   {"configuration", nlohmann::json::parse(plan.configuration)}};
+    json["list"] = nlohmann::ordered_json::array();
+    for (const PlannedTask& task : tasks) {
+        json["list"].push_back({{"id", task.id},
+                                {"role", to_string(task.cell->role)},
+                                {"scene", task.cell->scene},
+                                {"method", task.cell->method},
+                                {"budget", to_string(task.cell->budget)},
+                                {"seed", task.cell->seed},
+                                {"in_store", task.is_stored},
+                                {"estimated_seconds", task.cost.seconds},
+                                {"is_guess", task.cost.is_guess}});
+    }
+    return json.dump(2) + "\n";
+}
+
+std::string to_text(const Plan& plan, const std::vector<PlannedTask>& tasks) {
+    std::vector<std::vector<std::string>> rows{
+        {"state", "task", "scene", "method", "budget", "seed", "time"}};
+    for (const PlannedTask& task : tasks) {
+        rows.push_back({task.is_stored ? "stored" : "to do", task.id.substr(0, 8), task.cell->scene,
+                        task.cell->method, to_string(task.cell->budget),
+                        std::to_string(task.cell->seed),
+                        task.is_stored ? "" : fmt::format("{:.2g} s", task.cost.seconds)});
+    }
+    const Totals totals = total(tasks);
+    return align(rows) +
+           fmt::format("\n{}: {} tasks, {} in the store, {} to do; about {} on one thread{}\n",
+                       plan.experiment, tasks.size(), totals.n_stored,
+                       tasks.size() - totals.n_stored, format_duration(totals.seconds_to_do),
+                       totals.has_guess
+                           ? " (a guess: the store has no run of some scenes and methods)"
+                           : "");
+}
+
+}  // namespace
+
+int plan_verb(const PlanOptions& options) {
+    const ExperimentOptions& from = options.experiment;
+    const Plan plan =
+        resolve(read_experiment_yaml(from.file, from.overrides), scene_folder(from.scenes));
+    std::optional<Store> store;
+    if (!options.store.empty() && std::filesystem::exists(options.store)) {
+        store.emplace(options.store, Store::Access::ReadOnly);
+    }
+    const std::vector<PlannedTask> tasks = tasks_of(plan, store ? &*store : nullptr);
+    print_result(options.json ? to_json(plan, tasks) : to_text(plan, tasks));
+    return 0;
+}
+
+}  // namespace misbench

@@ -1,0 +1,90 @@
+// What each verb of `misbench` is told and does. main.cpp alone knows the command line's syntax; a
+// verb returns its exit code or throws Error.
+//
+// Exit codes: 0 done; 1 some tasks failed; 2 usage or experiment; 3 store; 4 coordinator out of
+// reach; 70 a bug of ours; 130 interrupted.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace misbench {
+
+inline constexpr int kExitSomeFailed = 1;
+inline constexpr int kExitUsage = 2;
+inline constexpr int kExitInterrupted = 130;
+
+struct ListOptions {
+    std::string what;    // methods, heuristics, metrics, scenes
+    std::string scenes;  // folder, "" for the default
+    bool json = false;
+};
+int list_verb(const ListOptions& options);
+
+struct RenderOptions {
+    std::string scene;
+    std::string method = "path";
+    std::vector<std::string> parameters;  // KEY=VALUE
+    std::optional<std::int64_t> samples;  // exactly one of samples and seconds
+    std::optional<double> seconds;
+    std::string clock = "cpu";
+    std::int64_t seed = 1;
+    std::string size = "640x480";
+    int threads = 1;
+    std::string output;  // .exr or .png
+    double exposure = 0;
+    std::string scenes;
+    bool json = false;
+};
+int render_verb(const RenderOptions& options);
+
+// An experiment file and what changes it.
+struct ExperimentOptions {
+    std::string file;
+    std::vector<std::string> overrides;  // PATH=VALUE
+    std::string scenes;
+};
+
+struct PlanOptions {
+    ExperimentOptions experiment;
+    std::string store;  // "" for none
+    bool json = false;
+};
+int plan_verb(const PlanOptions& options);
+
+struct RunOptions {
+    ExperimentOptions experiment;
+    std::string store;
+    int workers = 1;
+    int threads_per_worker = 1;
+    std::string progress = "auto";  // auto, always, never
+    std::string command_line;       // how to resume
+};
+int run_verb(const RunOptions& options);
+
+struct TableOptions {
+    std::string store;
+    std::string experiment;  // "" for the latest
+    std::string metric;      // "" for the experiment's first
+    std::string rows = "scene";
+    std::string columns = "method";
+    std::string format = "text";  // text, csv, json, latex, markdown
+};
+int table_verb(const TableOptions& options);
+
+struct ReportOptions {
+    std::string store;
+    std::string experiment;
+    std::string output;  // "" for STORE/report.html
+};
+int report_verb(const ReportOptions& options);
+
+struct StoreOptions {
+    std::string store;
+};
+int reindex_verb(const StoreOptions& options);
+int status_verb(const StoreOptions& options);
+
+}  // namespace misbench

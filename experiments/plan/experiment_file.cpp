@@ -1,0 +1,248 @@
+#include "experiments/plan/experiment_file.h"
+
+#include <algorithm>
+
+#include "experiments/plan/override.h"
+#include "experiments/plan/suggestion.h"
+
+namespace misbench {
+namespace {
+
+constexpr std::int64_t kMaxSeed = INT64_MAX;
+constexpr std::int64_t kReferenceSeedA = 1'000'001;
+constexpr std::int64_t kReferenceSeedB = 1'000'002;
+
+Placed<std::string> read_placed_text(const YamlNode& node, const std::string& what) {
+    return {read_text(node, what), node.place};
+}
+
+Placed<std::int64_t> read_seed(const YamlNode& node) {
+    return {read_integer(node, "a seed", 0, kMaxSeed), node.place};
+}
+
+// A word that can be the name of a file and a column of a table.
+std::string read_name(const YamlNode& node) {
+    const std::string name = read_text(node, "name");
+    const bool ok = !name.empty() && name.size() <= 100 && name.front() != '.' &&
+                    std::ranges::all_of(name, [](char c) {
+                        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                               (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.';
+                    });
+    if (!ok) {
+        fail_at(node.place,
+                "name must be 1 to 100 letters, digits, '-', '_' or '.', not first: "
+                "found '" +
+                    name + "'");
+    }
+    return name;
+}
+
+// The parameters among the keys of a map: all but `others`.
+GivenParameters read_parameters(const YamlNode& map, const std::vector<std::string>& others) {
+    GivenParameters parameters;
+    for (const YamlNode& item : map.items) {
+        if (std::ranges::find(others, item.key) != others.end()) continue;
+        parameters.push_back(
+            {item.key, read_parameter(item, item.key), item.key_place, item.place});
+    }
+    return parameters;
+}
+
+ImageSize read_image(const YamlNode* node, ImageSize size) {
+    if (node == nullptr) return size;
+    require_keys(*node, "image", {"width", "height"});
+    if (const YamlNode* width = node->find("width")) {
+        size.width = static_cast<int>(read_integer(*width, "width", 1, kMaxImageSide));
+    }
+    if (const YamlNode* height = node->find("height")) {
+        size.height = static_cast<int>(read_integer(*height, "height", 1, kMaxImageSide));
+    }
+    return size;
+}
+
+SceneEntry read_scene(const YamlNode& node, ImageSize image) {
+    SceneEntry entry;
+    entry.image = image;
+    if (node.kind != YamlNode::Kind::Map) {
+        entry.scene = read_placed_text(node, "a scene");
+        return entry;
+    }
+    require_keys(node, "a scene", {"scene", "image", "exposure", "parameters"});
+    entry.scene = read_placed_text(require_value(node, "a scene", "scene"), "scene");
+    entry.image = read_image(node.find("image"), image);
+    if (const YamlNode* exposure = node.find("exposure")) {
+        entry.exposure = read_number(*exposure, "exposure");
+    }
+    if (const YamlNode* parameters = node.find("parameters")) {
+        require_map(*parameters, "parameters");
+        entry.parameters = read_parameters(*parameters, {});
+    }
+    return entry;
+}
+
+MethodEntry read_method(const YamlNode& node) {
+    const std::string what = "method '" + node.key + "'";
+    require_map(node, what);
+    if (node.key == "reference") {
+        fail_at(node.key_place, "the label 'reference' stands for the reference itself");
+    }
+    return {.label = {node.key, node.key_place},
+            .method = read_placed_text(require_value(node, what, "method"), "method"),
+            .parameters = read_parameters(node, {"method"})};
+}
+
+std::vector<Placed<std::int64_t>> read_seeds(const YamlNode& node) {
+    std::vector<Placed<std::int64_t>> seeds;
+    if (node.kind != YamlNode::Kind::Sequence) {
+        const std::int64_t count = read_integer(node, "seeds, a count or a list,", 1, kMaxSeeds);
+        for (std::int64_t seed = 1; seed <= count; ++seed) seeds.push_back({seed, node.place});
+        return seeds;
+    }
+    for (const YamlNode& item : read_one_or_more(node, "seeds")) {
+        seeds.push_back(read_seed(item));
+        const auto same = [&seeds](const auto& seed) { return seed.value == seeds.back().value; };
+        if (!std::none_of(seeds.begin(), seeds.end() - 1, same)) {
+            fail_at(item.place, "seed " + item.text + " is listed twice");
+        }
+    }
+    return seeds;
+}
+
+Placed<Budget> read_budget(const YamlNode& node) {
+    require_keys(node, "a budget", {"samples", "seconds", "clock"});
+    const YamlNode* samples = node.find("samples");
+    const YamlNode* seconds = node.find("seconds");
+    const YamlNode* clock = node.find("clock");
+    if ((samples == nullptr) == (seconds == nullptr)) {
+        fail_at(node.place, "a budget has either 'samples' or 'seconds'");
+    }
+    if (samples != nullptr) {
+        if (clock != nullptr) fail_at(clock->key_place, "only a budget in seconds has a clock");
+        return {SampleBudget{read_integer(*samples, "samples", 1, kMaxSamples)}, node.place};
+    }
+    TimeBudget time{.seconds = read_number(*seconds, "seconds")};
+    if (time.seconds <= 0 || time.seconds > kMaxBudgetSeconds) {
+        fail_at(seconds->place, "seconds must be above 0 and at most 1e6: found " + seconds->text);
+    }
+    if (clock != nullptr) {
+        const std::string name = read_text(*clock, "clock");
+        if (name != "cpu" && name != "wall") {
+            fail_at(clock->place, unknown_name("clock", name, {"cpu", "wall"}));
+        }
+        time.clock = name == "cpu" ? BudgetClock::Cpu : BudgetClock::Wall;
+    }
+    return {time, node.place};
+}
+
+std::vector<Placed<Budget>> read_budgets(const YamlNode& node) {
+    std::vector<Placed<Budget>> budgets;
+    for (const YamlNode& item : read_one_or_more(node, "budgets")) {
+        const Placed<Budget> budget = read_budget(item);
+        for (const auto& other : budgets) {
+            if (other.value == budget.value) fail_at(item.place, "this budget is listed twice");
+        }
+        budgets.push_back(budget);
+    }
+    return budgets;
+}
+
+ReferenceEntry read_reference(const YamlNode& node) {
+    require_map(node, "reference");
+    ReferenceEntry reference{
+        .method = read_placed_text(require_value(node, "reference", "method"), "method"),
+        .parameters = read_parameters(node, {"method", "samples", "seeds"}),
+        .samples =
+            read_integer(require_value(node, "reference", "samples"), "samples", 1, kMaxSamples),
+        .seed_a = {kReferenceSeedA, node.place},
+        .seed_b = {kReferenceSeedB, node.place}};
+    if (const YamlNode* seeds = node.find("seeds")) {
+        if (seeds->kind != YamlNode::Kind::Sequence || seeds->items.size() != 2) {
+            fail_at(seeds->place, "the reference's seeds must be a list of two");
+        }
+        reference.seed_a = read_seed(seeds->items[0]);
+        reference.seed_b = read_seed(seeds->items[1]);
+    }
+    if (reference.seed_a.value == reference.seed_b.value) {
+        fail_at(reference.seed_b.place, "the reference's halves must have different seeds");
+    }
+    return reference;
+}
+
+Rule read_rule(const YamlNode& node) {
+    require_keys(node, "a rule", {"scene", "method", "seed", "budget"});
+    Rule rule;
+    rule.place = node.place;
+    if (node.items.empty()) fail_at(node.place, "a rule must name an axis");
+    for (const YamlNode& axis : node.items) {
+        for (const YamlNode& value : read_one_or_more(axis, axis.key)) {
+            if (axis.key == "scene") rule.scenes.push_back(read_placed_text(value, "a scene"));
+            if (axis.key == "method") rule.methods.push_back(read_placed_text(value, "a method"));
+            if (axis.key == "seed") rule.seeds.push_back(read_seed(value));
+            if (axis.key == "budget") rule.budgets.push_back(read_budget(value));
+        }
+    }
+    return rule;
+}
+
+std::vector<Rule> read_rules(const YamlNode* node) {
+    std::vector<Rule> rules;
+    if (node == nullptr) return rules;
+    for (const YamlNode& item : read_one_or_more(*node, node->key))
+        rules.push_back(read_rule(item));
+    return rules;
+}
+
+std::vector<Placed<std::string>> read_metrics(const YamlNode* node) {
+    if (node == nullptr) return {{"relmse.eps0.01", {}}};
+    std::vector<Placed<std::string>> metrics;
+    for (const YamlNode& item : read_one_or_more(*node, "metrics")) {
+        metrics.push_back(read_placed_text(item, "a metric"));
+    }
+    return metrics;
+}
+
+}  // namespace
+
+ParameterMap to_map(const GivenParameters& given) {
+    ParameterMap map;
+    for (const GivenParameter& parameter : given) map[parameter.name] = parameter.value;
+    return map;
+}
+
+ExperimentYaml read_experiment_yaml(const std::filesystem::path& file,
+                                    const std::vector<std::string>& overrides) {
+    YamlNode root = read_yaml_file(file);
+    for (const std::string& assignment : overrides) apply_override(root, assignment);
+
+    const std::string what = "the experiment file";
+    require_keys(root, what,
+                 {"name", "description", "scenes", "methods", "seeds", "budgets", "image",
+                  "reference", "include", "exclude", "baseline", "metrics"});
+    ExperimentYaml experiment;
+    experiment.file = file;
+    experiment.name = read_name(require_value(root, what, "name"));
+    if (const YamlNode* description = root.find("description")) {
+        experiment.description = read_text(*description, "description");
+    }
+    const ImageSize image = read_image(root.find("image"), {});
+    const YamlNode& scenes = require_value(root, what, "scenes");
+    for (const YamlNode& node : read_one_or_more(scenes, "scenes")) {
+        experiment.scenes.push_back(read_scene(node, image));
+    }
+    const YamlNode& methods = require_value(root, what, "methods");
+    require_map(methods, "methods");
+    if (methods.items.empty()) fail_at(methods.place, "methods must not be empty");
+    for (const YamlNode& node : methods.items) experiment.methods.push_back(read_method(node));
+    experiment.seeds = read_seeds(require_value(root, what, "seeds"));
+    experiment.budgets = read_budgets(require_value(root, what, "budgets"));
+    experiment.reference = read_reference(require_value(root, what, "reference"));
+    experiment.include = read_rules(root.find("include"));
+    experiment.exclude = read_rules(root.find("exclude"));
+    if (const YamlNode* baseline = root.find("baseline")) {
+        experiment.baseline = read_placed_text(*baseline, "baseline");
+    }
+    experiment.metrics = read_metrics(root.find("metrics"));
+    return experiment;
+}
+
+}  // namespace misbench

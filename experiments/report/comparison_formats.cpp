@@ -1,0 +1,99 @@
+// The formats of table_formats.h that programs read.
+#include <nlohmann/json.hpp>
+
+#include "experiments/report/table_formats.h"
+
+namespace misbench {
+namespace {
+
+nlohmann::ordered_json estimate_to_json(const std::optional<Estimate>& estimate) {
+    if (!estimate) return nullptr;
+    nlohmann::ordered_json json = {{"value", estimate->value}};
+    if (estimate->interval) json["interval"] = {estimate->interval->low, estimate->interval->high};
+    if (estimate->why_none) json["no_interval"] = to_string(*estimate->why_none);
+    return json;
+}
+
+nlohmann::ordered_json cell_to_json(const ComparedCell& cell) {
+    nlohmann::ordered_json json = {{"scene", cell.scene},
+                                   {"method", cell.method},
+                                   {"budget", to_string(cell.budget)},
+                                   {"planned", cell.n_planned},
+                                   {"measured", cell.n_measured},
+                                   {"invalid", cell.n_invalid},
+                                   {"failed", cell.n_failed},
+                                   {"unfinished", cell.n_unfinished},
+                                   {"without_reference", cell.n_unreferenced},
+                                   {"values", cell.values},
+                                   {"mean", estimate_to_json(cell.mean)},
+                                   {"ratio", estimate_to_json(cell.ratio)},
+                                   {"ratio_excludes_one", cell.ratio_excludes_one()},
+                                   {"baseline", cell.is_baseline},
+                                   {"few_passes", cell.few_passes},
+                                   {"passes", cell.mean_passes},
+                                   {"wall_seconds", cell.mean_wall_seconds},
+                                   {"cpu_seconds", cell.mean_cpu_seconds}};
+    json["tail"] = cell.tail ? nlohmann::ordered_json(*cell.tail) : nlohmann::ordered_json();
+    return json;
+}
+
+std::string full_precision(double value) { return nlohmann::json(value).dump(); }
+
+// "value,low,high", empty where there is none.
+std::string estimate_to_csv(const std::optional<Estimate>& estimate) {
+    if (!estimate) return ",,";
+    std::string csv = full_precision(estimate->value) + ",";
+    if (!estimate->interval) return csv + ",";
+    return csv + full_precision(estimate->interval->low) + "," +
+           full_precision(estimate->interval->high);
+}
+
+}  // namespace
+
+std::string escape_csv(std::string_view text) {
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+    std::string quoted = "\"";
+    for (const char c : text) {
+        if (c == '"') quoted += '"';
+        quoted += c;
+    }
+    return quoted + "\"";
+}
+
+std::string to_csv(const Comparison& comparison) {
+    std::string csv =
+        "experiment,metric,scene,method,budget,planned,measured,invalid,failed,unfinished,"
+        "without_reference,mean,mean_low,mean_high,ratio,ratio_low,ratio_high,ratio_excludes_one,"
+        "baseline,few_passes,tail,passes,wall_seconds,cpu_seconds\n";
+    for (const ComparedCell& cell : comparison.cells) {
+        for (const std::string& text : {comparison.experiment, comparison.metric, cell.scene,
+                                        cell.method, to_string(cell.budget)}) {
+            csv += escape_csv(text) + ",";
+        }
+        for (const int count : {cell.n_planned, cell.n_measured, cell.n_invalid, cell.n_failed,
+                                cell.n_unfinished, cell.n_unreferenced}) {
+            csv += std::to_string(count) + ",";
+        }
+        csv += estimate_to_csv(cell.mean) + "," + estimate_to_csv(cell.ratio) + ",";
+        for (const bool flag : {cell.ratio_excludes_one(), cell.is_baseline, cell.few_passes}) {
+            csv += flag ? "true," : "false,";
+        }
+        csv += (cell.tail ? full_precision(*cell.tail) : "") + ",";
+        csv += full_precision(cell.mean_passes) + "," + full_precision(cell.mean_wall_seconds) +
+               "," + full_precision(cell.mean_cpu_seconds) + "\n";
+    }
+    return csv;
+}
+
+std::string to_json(const Comparison& comparison) {
+    nlohmann::ordered_json json = {
+        {"experiment", comparison.experiment}, {"metric", comparison.metric},
+        {"formula", comparison.formula},       {"less_is_better", comparison.less_is_better},
+        {"baseline", comparison.baseline},     {"confidence", kConfidence},
+        {"scenes", comparison.scenes},         {"methods", comparison.methods}};
+    json["cells"] = nlohmann::ordered_json::array();
+    for (const ComparedCell& cell : comparison.cells) json["cells"].push_back(cell_to_json(cell));
+    return json.dump(2) + "\n";
+}
+
+}  // namespace misbench

@@ -1,0 +1,104 @@
+#include "experiments/report/numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace misbench {
+namespace {
+
+constexpr int kMaxDecimals = 9;
+
+int exponent_of(double value) {
+    return value == 0 ? 0 : static_cast<int>(std::floor(std::log10(std::abs(value))));
+}
+
+// Decimals with which `value` shows `digits` significant digits.
+int decimals_for(double value, int digits) {
+    return std::clamp(digits - 1 - exponent_of(value), 0, kMaxDecimals);
+}
+
+double half_width(const Interval& interval) { return (interval.high - interval.low) / 2; }
+
+// Ranges of code points that take two columns or none, for what occurs in names.
+int columns_of(std::uint32_t c) {
+    const auto within = [c](std::uint32_t first, std::uint32_t last) {
+        return c >= first && c <= last;
+    };
+    if (within(0x300, 0x36F) || within(0x200B, 0x200D) || within(0xFE00, 0xFE0F)) return 0;
+    const bool wide = within(0x1100, 0x115F) || within(0x2E80, 0xA4CF) || within(0xAC00, 0xD7A3) ||
+                      within(0xF900, 0xFAFF) || within(0xFE30, 0xFE6F) || within(0xFF00, 0xFF60) ||
+                      within(0x1F300, 0x1FAFF) || within(0x20000, 0x3FFFD);
+    return wide ? 2 : 1;
+}
+
+}  // namespace
+
+std::string format_mean(const Estimate& mean) {
+    const int exponent = exponent_of(mean.value);
+    const bool scientific = exponent < -4 || exponent > 5;
+    const double scale = scientific ? std::pow(10.0, exponent) : 1.0;
+    const double value = mean.value / scale;
+    if (!mean.interval) {
+        const std::string text = fmt::format("{:.{}f}", value, decimals_for(value, 3));
+        return scientific ? fmt::format("{}e{}", text, exponent) : text;
+    }
+    const double half = half_width(*mean.interval) / scale;
+    const int decimals = decimals_for(half, 2);
+    const std::string text = fmt::format("{:.{}f} ± {:.{}f}", value, decimals, half, decimals);
+    return scientific ? fmt::format("({})e{}", text, exponent) : text;
+}
+
+std::string format_ratio(const Estimate& ratio) {
+    if (!ratio.interval) {
+        return fmt::format("×{:.{}f}", ratio.value, decimals_for(ratio.value, 3));
+    }
+    const auto [low, high] = *ratio.interval;
+    int decimals = std::max(decimals_for(half_width(*ratio.interval), 2), decimals_for(low, 2));
+    // A bound beyond 1 must not be rounded to it.
+    const auto is_one = [&decimals](double bound) {
+        return std::abs(bound - 1) < 0.5 * std::pow(10.0, -decimals);
+    };
+    while (excludes_one(ratio) && decimals < kMaxDecimals && (is_one(low) || is_one(high))) {
+        ++decimals;
+    }
+    return fmt::format("×{:.{}f} [{:.{}f}, {:.{}f}]", ratio.value, decimals, low, decimals, high,
+                       decimals);
+}
+
+std::string format_duration(double seconds) {
+    const auto whole = static_cast<std::int64_t>(std::llround(std::max(0.0, seconds)));
+    if (whole < 60) return fmt::format("{} s", whole);
+    if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+    return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+}
+
+std::size_t display_width(std::string_view utf8) {
+    int width = 0;
+    std::uint32_t code_point = 0;
+    int n_following = 0;
+    for (const char c : utf8) {
+        const auto byte = static_cast<unsigned char>(c);
+        if ((byte & 0xC0U) == 0x80U) {
+            code_point = (code_point << 6U) | (byte & 0x3FU);
+            if (--n_following == 0) width += columns_of(code_point);
+        } else if (byte < 0x80U) {
+            ++width;
+        } else {
+            n_following = byte >= 0xF0U ? 3 : byte >= 0xE0U ? 2 : 1;
+            code_point = byte & (0x3FU >> n_following);
+        }
+    }
+    return static_cast<std::size_t>(width);
+}
+
+std::string padded(std::string_view utf8, std::size_t width) {
+    std::string text(utf8);
+    const std::size_t used = display_width(utf8);
+    if (used < width) text.append(width - used, ' ');
+    return text;
+}
+
+}  // namespace misbench

@@ -1,0 +1,24 @@
+// A table in the formats people read or paste, and a comparison in those that programs read.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "experiments/report/table.h"
+
+namespace misbench {
+
+std::string escape_html(std::string_view text);
+std::string escape_latex(std::string_view text);
+std::string escape_csv(std::string_view text);
+
+std::string to_text(const Table& table);      // aligned columns for a terminal
+std::string to_markdown(const Table& table);  // a GitHub table, footer below
+std::string to_latex(const Table& table);     // a tabular with booktabs' rules, footer as comments
+std::string to_html(const Table& table);      // a table element and its footer
+
+// One row per scene, method and budget, all numbers in full precision; empty where there is none.
+std::string to_csv(const Comparison& comparison);
+std::string to_json(const Comparison& comparison);
+
+}  // namespace misbench

@@ -1,0 +1,284 @@
+// Tables from comparison values: numbers, alignment, marks, and every format's escapes.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "experiments/report/numbers.h"
+#include "experiments/report/table_formats.h"
+#include "renderer/base/error.h"
+
+namespace misbench {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+Estimate with_interval(double value, double low, double high) {
+    return {.value = value, .interval = Interval{low, high}, .why_none = {}};
+}
+
+Estimate without_interval(double value, NoInterval why) {
+    return {.value = value, .interval = {}, .why_none = why};
+}
+
+ComparedCell cell(const std::string& scene, const std::string& method, const Budget& budget,
+                  Estimate mean, std::optional<Estimate> ratio = {}) {
+    ComparedCell c;
+    c.scene = scene;
+    c.method = method;
+    c.budget = budget;
+    c.n_planned = c.n_measured = 5;
+    c.values = {1, 2, 3, 4, 5};
+    c.mean = mean;
+    c.ratio = ratio;
+    c.is_baseline = method == "pt";
+    c.mean_passes = 16;
+    c.mean_cpu_seconds = 0.5;
+    c.mean_wall_seconds = 0.25;
+    return c;
+}
+
+const Budget kFew = SampleBudget{16};
+const Budget kLong = TimeBudget{2, BudgetClock::Wall};
+
+Comparison two_by_two() {
+    Comparison comparison;
+    comparison.experiment = "exp";
+    comparison.metric = "mse";
+    comparison.formula = "mean of d²";
+    comparison.baseline = "pt";
+    comparison.scenes = {"Box", "Käfig"};
+    comparison.methods = {"pt", "mis_2"};
+    comparison.budgets = {kFew};
+    comparison.cells = {
+        cell("Box", "pt", kFew, with_interval(0.0123, 0.0112, 0.0134)),
+        cell("Box", "mis_2", kFew, with_interval(0.0061, 0.0056, 0.0066),
+             with_interval(0.5, 0.45, 0.56)),
+        cell("Käfig", "pt", kFew, with_interval(1.5, 1.25, 1.75)),
+        cell("Käfig", "mis_2", kFew, with_interval(1.6, 1.5, 1.7), with_interval(1.07, 0.9, 1.3))};
+    return comparison;
+}
+
+Table table_of(const Comparison& comparison, const TableLayout& layout = {}) {
+    return make_table(comparison, layout, {"machine: a CPU"});
+}
+
+// --- numbers -------------------------------------------------------------------------------------
+
+TEST(Numbers, AMeanHasTheDigitsOfItsInterval) {
+    EXPECT_EQ(format_mean(with_interval(0.0123456, 0.0112, 0.0134)), "0.0123 ± 0.0011");
+    EXPECT_EQ(format_mean(with_interval(123.456, 120, 126.9)), "123.5 ± 3.5");
+    EXPECT_EQ(format_mean(with_interval(12345.6, 10000, 14691.2)), "12346 ± 2346");
+    EXPECT_EQ(format_mean(with_interval(1.234e-7, 1.1e-7, 1.368e-7)), "(1.23 ± 0.13)e-7");
+    EXPECT_EQ(format_mean(with_interval(4.5e8, 4.4e8, 4.6e8)), "(4.50 ± 0.10)e8");
+    EXPECT_EQ(format_mean(with_interval(-0.02, -0.05, 0.01)), "-0.020 ± 0.030");
+    EXPECT_EQ(format_mean(with_interval(0, -0.01, 0.01)), "0.000 ± 0.010");
+}
+
+TEST(Numbers, AMeanWithoutIntervalHasThreeDigits) {
+    EXPECT_EQ(format_mean(without_interval(0.0123456, NoInterval::TooFewValues)), "0.0123");
+    EXPECT_EQ(format_mean(without_interval(1.23456e-8, NoInterval::NoSpread)), "1.23e-8");
+}
+
+TEST(Numbers, ARatioHasItsBounds) {
+    EXPECT_EQ(format_ratio(with_interval(0.54321, 0.5, 0.58)), "×0.543 [0.500, 0.580]");
+    EXPECT_EQ(format_ratio(with_interval(5.4, 0.042, 700)), "×5.400 [0.042, 700.000]");
+    EXPECT_EQ(format_ratio(without_interval(0.5, NoInterval::TooFewValues)), "×0.500");
+}
+
+TEST(Numbers, ABoundBeyondOneIsNotRoundedToIt) {
+    EXPECT_EQ(format_ratio(with_interval(1.02, 1.00004, 1.04)), "×1.02000 [1.00004, 1.04000]");
+    EXPECT_EQ(format_ratio(with_interval(1.02, 0.9996, 1.04)), "×1.020 [1.000, 1.040]");
+}
+
+TEST(Numbers, DurationsReadLikeSpeech) {
+    EXPECT_EQ(format_duration(0.4), "0 s");
+    EXPECT_EQ(format_duration(59.4), "59 s");
+    EXPECT_EQ(format_duration(200), "3 min 20 s");
+    EXPECT_EQ(format_duration(7500), "2 h 5 min");
+}
+
+TEST(Numbers, WidthCountsColumnsNotBytes) {
+    EXPECT_EQ(display_width("abc"), 3U);
+    EXPECT_EQ(display_width("±×†‡–"), 5U);
+    EXPECT_EQ(display_width("Käfig"), 5U);
+    EXPECT_EQ(display_width("a\u0308"), 1U);  // a letter and a combining mark
+    EXPECT_EQ(display_width("箱"), 2U);
+    EXPECT_EQ(display_width("😀"), 2U);
+    EXPECT_EQ(padded("ä", 3), "ä  ");
+}
+
+// --- layout --------------------------------------------------------------------------------------
+
+TEST(Table, TextIsAlignedInEveryLine) {
+    const std::string text = to_text(table_of(two_by_two()));
+    EXPECT_THAT(text, testing::StartsWith("exp: mse, 16 spp\n\n"
+                                          "scene   pt                mis_2\n"
+                                          "\n"
+                                          "Box     0.0123 ± 0.0011   0.00610 ± 0.00050\n"
+                                          "        baseline          ×0.500 [0.450, 0.560] *\n"
+                                          "\n"
+                                          "Käfig   1.50 ± 0.25       1.60 ± 0.10\n"
+                                          "        baseline          ×1.07 [0.90, 1.30]\n"
+                                          "\n"
+                                          "metric: mse, mean of d²; less is better\n"));
+    EXPECT_THAT(text,
+                AllOf(HasSubstr("mean over 5 seeds ± half of its 95 % Student t interval\n"),
+                      HasSubstr("to baseline 'pt' [95 % log-delta-t interval, Welch]\n"),
+                      HasSubstr("machine: a CPU\n"), Not(HasSubstr("†")), Not(HasSubstr("‡"))));
+}
+
+TEST(Table, RowsAndColumnsAreChosenAndTheThirdAxisMakesFurtherRows) {
+    Comparison comparison = two_by_two();
+    comparison.budgets.push_back(kLong);
+    comparison.cells.push_back(cell("Box", "pt", kLong, with_interval(7, 6, 8)));
+    const Table table = table_of(comparison, {.rows = Axis::Methods, .columns = Axis::Scenes});
+    EXPECT_EQ(table.title, "exp: mse");
+    EXPECT_THAT(table.label_headers, ElementsAre("method", "budget"));
+    EXPECT_THAT(table.columns, ElementsAre("Box", "Käfig"));
+    ASSERT_EQ(table.rows.size(), 3U);  // none for mis_2 in 2 s, which has no cell
+    EXPECT_THAT(table.rows[0].labels, ElementsAre("pt", "16 spp"));
+    EXPECT_THAT(table.rows[1].labels, ElementsAre("pt", "2 s wall"));
+    EXPECT_EQ(table.rows[1].cells[0].mean, "7.0 ± 1.0");
+    EXPECT_EQ(table.rows[1].cells[0].effort, "about 16 spp in 0.25 s wall");
+    EXPECT_EQ(table.rows[1].cells[1].mean, "–");
+    EXPECT_THAT(table.rows[2].labels, ElementsAre("mis_2", "16 spp"));
+    EXPECT_EQ(table.rows[2].cells[1].mean, "1.60 ± 0.10");
+}
+
+TEST(Table, TheSameAxisTwiceIsRefused) {
+    EXPECT_THROW(table_of(two_by_two(), {.rows = Axis::Scenes, .columns = Axis::Scenes}), Error);
+    EXPECT_THROW(axis_from_string("seed"), Error);
+    EXPECT_EQ(axis_from_string("budget"), Axis::Budgets);
+}
+
+TEST(Table, AVerdictNeedsAnIntervalThatExcludesOneAndAMetricThatRanks) {
+    Comparison comparison = two_by_two();
+    EXPECT_EQ(table_of(comparison).rows[0].cells[1].verdict, Verdict::Better);
+    EXPECT_EQ(table_of(comparison).rows[1].cells[1].verdict, Verdict::None);
+    comparison.cells[1].ratio = with_interval(2, 1.5, 2.5);
+    EXPECT_EQ(table_of(comparison).rows[0].cells[1].verdict, Verdict::Worse);
+    comparison.less_is_better = false;
+    EXPECT_EQ(table_of(comparison).rows[0].cells[1].verdict, Verdict::Different);
+    EXPECT_THAT(table_of(comparison).footer[0], Not(HasSubstr("less is better")));
+}
+
+TEST(Table, ARatioThatCannotBeFormedIsShownAsMissing) {
+    Comparison comparison = two_by_two();
+    comparison.cells[1].ratio.reset();
+    EXPECT_EQ(table_of(comparison).rows[0].cells[1].ratio, "–");
+    EXPECT_EQ(table_of(comparison).rows[0].cells[0].ratio, "baseline");
+}
+
+TEST(Table, UnfinishedFailedAndInvalidSeedsAreSaid) {
+    Comparison comparison = two_by_two();
+    ComparedCell& part = comparison.cells[0];
+    part.n_measured = 2;
+    part.n_invalid = part.n_failed = part.n_unfinished = 1;
+    ComparedCell& none = comparison.cells[1];
+    none.n_measured = 0;
+    none.n_unreferenced = 5;
+    none.mean.reset();
+    none.ratio.reset();
+    const Table table = table_of(comparison);
+    EXPECT_EQ(table.rows[0].cells[0].status, "2 of 5 seeds: 1 invalid, 1 failed, 1 unfinished");
+    EXPECT_EQ(table.rows[0].cells[1].status, "0 of 5 seeds: 5 without reference");
+    EXPECT_EQ(table.rows[0].cells[1].mean, "");
+    EXPECT_EQ(table.rows[0].cells[1].ratio, "");
+    EXPECT_EQ(table.rows[1].cells[0].status, "");
+    EXPECT_THAT(to_text(table), HasSubstr("2 of 5 seeds: 1 invalid, 1 failed, 1 unfinished"));
+}
+
+TEST(Table, DoubtfulNumbersAreMarkedAndTheMarksExplained) {
+    Comparison comparison = two_by_two();
+    comparison.cells[0].few_passes = true;
+    comparison.cells[1].tail = kHeavyTail + 1;
+    comparison.cells[3].mean = without_interval(1.6, NoInterval::TooFewValues);
+    comparison.cells[3].ratio = without_interval(1.07, NoInterval::TooFewValues);
+    const Table table = table_of(comparison);
+    EXPECT_EQ(table.rows[0].cells[0].mean, "0.0123 ± 0.0011 †");
+    EXPECT_EQ(table.rows[0].cells[1].mean, "0.00610 ± 0.00050 ‡");
+    EXPECT_EQ(table.rows[1].cells[1].mean, "1.60 a");
+    EXPECT_EQ(table.rows[1].cells[1].ratio, "×1.07 a");
+    EXPECT_THAT(to_text(table), AllOf(HasSubstr("\n† a run has fewer than 10 passes"),
+                                      HasSubstr("\n‡ the largest seed is more than 3 × the"),
+                                      HasSubstr("\na no interval: fewer than 3 seeds\n")));
+}
+
+// --- formats -------------------------------------------------------------------------------------
+
+TEST(TableFormats, EscapesKeepNamesFromBeingSyntax) {
+    EXPECT_EQ(escape_html("<a href=\"x\">'&'</a>"),
+              "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
+    EXPECT_EQ(escape_latex("50 % of a_1 & $b^2 ~ {c} \\d #1"),
+              "50 \\% of a\\_1 \\& \\$b\\textasciicircum{}2 \\textasciitilde{} \\{c\\} "
+              "\\textbackslash{}d \\#1");
+    EXPECT_EQ(escape_latex("×0.5 ± 1 †"), "$\\times$0.5 $\\pm$ 1 \\dag{}");
+    EXPECT_EQ(escape_csv("plain"), "plain");
+    EXPECT_EQ(escape_csv("a,\"b\"\nc"), "\"a,\"\"b\"\"\nc\"");
+}
+
+TEST(TableFormats, MarkdownHasOneLinePerRow) {
+    Comparison comparison = two_by_two();
+    comparison.methods[1] = "a|b";
+    comparison.cells[1].method = comparison.cells[3].method = "a|b";
+    const std::string markdown = to_markdown(table_of(comparison));
+    EXPECT_THAT(markdown, HasSubstr("| scene | pt | a\\|b |\n|---|---:|---:|\n"
+                                    "| Box | 0.0123 ± 0.0011<br>baseline | 0.00610 ± 0.00050<br>"
+                                    "×0.500 [0.450, 0.560] \\* |\n"));
+}
+
+TEST(TableFormats, LatexIsATabularWithTheFooterAsComments) {
+    const std::string latex = to_latex(table_of(two_by_two()));
+    EXPECT_THAT(latex,
+                AllOf(HasSubstr("\\begin{tabular}{lrr}\n\\toprule\nscene & pt & mis\\_2 \\\\\n"),
+                      HasSubstr("Box & \\shortstack[r]{0.0123 $\\pm$ 0.0011\\\\baseline} & "),
+                      HasSubstr("$\\times$0.500 {[}0.450, 0.560{]} *} \\\\\n"),
+                      HasSubstr("\n% machine: a CPU\n"), HasSubstr("\\end{tabular}\n")));
+}
+
+TEST(TableFormats, HtmlMarksVerdictsAndEscapesNames) {
+    Comparison comparison = two_by_two();
+    comparison.scenes[0] = comparison.cells[0].scene = comparison.cells[1].scene = "<Box>";
+    const std::string html = to_html(table_of(comparison));
+    EXPECT_THAT(html, AllOf(HasSubstr("<th>&lt;Box&gt;</th>"), Not(HasSubstr("<Box>")),
+                            HasSubstr("<td class=\"better\"><span class=\"mean\">0.00610"),
+                            HasSubstr("about 16 spp in 0.5 s cpu")));
+}
+
+TEST(TableFormats, CsvHasEveryCellInFullPrecision) {
+    Comparison comparison = two_by_two();
+    comparison.cells[0].mean->value = 1.0 / 3;
+    const std::string csv = to_csv(comparison);
+    std::vector<std::size_t> commas;
+    for (std::size_t at = 0; at < csv.size();) {
+        const std::size_t end = csv.find('\n', at);
+        commas.push_back(static_cast<std::size_t>(
+            std::count(csv.begin() + static_cast<std::ptrdiff_t>(at),
+                       csv.begin() + static_cast<std::ptrdiff_t>(end), ',')));
+        at = end + 1;
+    }
+    EXPECT_EQ(commas, std::vector<std::size_t>(5, 23));
+    EXPECT_THAT(csv, AllOf(HasSubstr("\nexp,mse,Box,pt,16 spp,5,5,0,0,0,0,0.3333333333333333,"
+                                     "0.0112,0.0134,,,,false,true,false,,16.0,0.25,0.5\n"),
+                           HasSubstr(",0.5,0.45,0.56,true,false,")));
+}
+
+TEST(TableFormats, JsonHasValuesIntervalsAndReasons) {
+    Comparison comparison = two_by_two();
+    comparison.cells[3].ratio = without_interval(1.07, NoInterval::Unbounded);
+    const auto json = nlohmann::json::parse(to_json(comparison));
+    EXPECT_EQ(json.at("baseline"), "pt");
+    EXPECT_EQ(json.at("confidence"), 0.95);
+    const auto& cells = json.at("cells");
+    EXPECT_EQ(cells.at(1).at("ratio").at("interval"), (nlohmann::json{0.45, 0.56}));
+    EXPECT_EQ(cells.at(1).at("ratio_excludes_one"), true);
+    EXPECT_EQ(cells.at(0).at("ratio"), nullptr);
+    EXPECT_EQ(cells.at(0).at("values"), (nlohmann::json{1, 2, 3, 4, 5}));
+    EXPECT_EQ(cells.at(3).at("ratio").at("no_interval"), to_string(NoInterval::Unbounded));
+}
+
+}  // namespace
+}  // namespace misbench
