@@ -38,8 +38,7 @@ void count(ComparedCell& cell, const Cell& planned, const Known& known) {
         return;
     }
     const RunSummary& summary = run->second;
-    const bool by_time = std::holds_alternative<TimeBudget>(planned.budget);
-    cell.few_passes |= by_time && summary.passes < kFewPasses;
+    cell.few_passes |= has_few_passes(planned.budget, summary.passes);
     if (!summary.valid) {
         ++cell.n_invalid;
         return;

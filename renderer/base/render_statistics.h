@@ -4,12 +4,17 @@
 #include <cstdint>
 #include <optional>
 
+#include "renderer/base/budget.h"
+
 namespace misbench {
 
 // A run of fewer passes is marked wherever it is shown under a time budget: discarding the pass in
 // flight biases the mean by an amount that is negligible only beyond it (simulated: -0.2 % at ten
 // passes, -12.7 % at three).
 inline constexpr std::int64_t kFewPasses = 10;
+inline bool has_few_passes(const Budget& budget, std::int64_t passes) {
+    return std::holds_alternative<TimeBudget>(budget) && passes < kFewPasses;
+}
 
 // Enough to render one sample again.
 struct SamplePlace {
