@@ -312,6 +312,20 @@ TEST(Fleet, WorkerGivesUpACoordinatorThatIsNotThere) {
     EXPECT_THAT(worker.err_so_far(), testing::HasSubstr("no answer within 1000 ms"));
 }
 
+TEST(Client, SaysThatNobodyAnswersWithinItsDeadline) {
+    QueueClient client("unix:/nonexistent/socket", milliseconds(200));
+    const auto start = std::chrono::steady_clock::now();
+    try {
+        client.status("");
+        FAIL() << "somebody answered";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), Errc::Unavailable);
+        EXPECT_STREQ(error.what(),
+                     "call coordinator at 'unix:/nonexistent/socket': no answer within 200 ms");
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+}
+
 TEST(Fleet, ChildrenDieWithTheirParentAlsoWhenItIsKilled) {
     Fleet fleet;
     const fs::path pid_file = fleet.folder() / "pid";
