@@ -69,7 +69,9 @@ class DirectLight final : public Method {
             const Bsdf bsdf(*hit, wo);
             Rgb sum = tracer.scene().emitted(*hit, wo);
             for (std::int64_t i = 0; i < parameters_.light_samples; ++i) {
-                sum += light_sample(*hit, bsdf, rng, tracer);
+                sum += next_event_->estimate(
+                    *hit, bsdf, rng, tracer,
+                    [this](double p_b, double p_l) { return weight(kNextEvent, p_b, p_l); });
             }
             for (std::int64_t i = 0; i < parameters_.bsdf_samples; ++i) {
                 sum += bsdf_sample(*hit, bsdf, rng, tracer);
@@ -87,16 +89,6 @@ class DirectLight final : public Method {
                               static_cast<double>(parameters_.light_samples)};
         const std::array q = {n[kBsdf] * p_b, n[kNextEvent] * p_l};
         return heuristic_.weight(q, technique) / n[technique];
-    }
-
-    Rgb light_sample(const SurfacePoint& point, const Bsdf& bsdf, Rng& rng,
-                     RayTracer& tracer) const {
-        const auto sample = next_event_->sample(point, rng);
-        if (!sample) return {};
-        const BsdfValue value = bsdf.evaluate(sample->wi);
-        if (value.f_cos == Rgb{} || !tracer.visible(point, sample->light)) return {};
-        const double w = weight(kNextEvent, value.pdf, sample->pdf);
-        return static_cast<float>(w / sample->pdf) * (value.f_cos * sample->radiance);
     }
 
     Rgb bsdf_sample(const SurfacePoint& point, const Bsdf& bsdf, Rng& rng,

@@ -6,6 +6,8 @@
 
 #include "renderer/base/rng.h"
 #include "renderer/math/warp.h"
+#include "renderer/methods/pass_context.h"
+#include "renderer/scene/bsdf.h"
 #include "renderer/scene/light_sampler.h"
 #include "renderer/scene/scene.h"
 
@@ -39,6 +41,19 @@ class NextEvent {
         if (sample.radiance == Rgb{}) return std::nullopt;
         sample.pdf = pdf(from, sample.light);
         return sample;
+    }
+
+    // f cosθ Le w / p_l of one sample from a point, 0 where it carries nothing. weight(p_b, p_l) is
+    // asked only for light that arrives; p_b is the density of BSDF sampling for its direction.
+    template <class Weight>
+    Rgb estimate(const SurfacePoint& from, const Bsdf& bsdf, Rng& rng, RayTracer& tracer,
+                 const Weight& weight) const {
+        const std::optional<Sample> light = sample(from, rng);
+        if (!light) return {};
+        const BsdfValue value = bsdf.evaluate(light->wi);
+        if (value.f_cos == Rgb{} || !tracer.visible(from, light->light)) return {};
+        const double w = weight(value.pdf, light->pdf);
+        return static_cast<float>(w / light->pdf) * (value.f_cos * light->radiance);
     }
 
     // Density of choosing `light`, a point on a light, from `from`; solid angle measure.

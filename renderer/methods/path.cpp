@@ -102,9 +102,14 @@ class PathTracer final : public Method {
             }
             if (depth == parameters_.max_depth) return sum;
 
-            // Add light that next event estimation finds from here.
+            // Add light that next event estimation finds from here, weighted against BSDF sampling.
             const Bsdf bsdf(*hit, wo);
-            if (parameters_.nee) sum += beta * direct_light(*hit, bsdf, rng, tracer);
+            if (parameters_.nee) {
+                sum += beta *
+                       next_event_->estimate(*hit, bsdf, rng, tracer, [this](double p, double p_l) {
+                           return weight(kNextEvent, p, p_l);
+                       });
+            }
 
             // End long paths at random. The survival probability is in beta, not in the densities.
             if (depth >= parameters_.rr_depth) {
@@ -125,17 +130,6 @@ class PathTracer final : public Method {
             previous = hit;
             ray = {hit->leave(sample->wi), sample->wi};
         }
-    }
-
-    // f cosθ Le / p_l of one light sample, weighted against BSDF sampling.  [VG95]
-    Rgb direct_light(const SurfacePoint& point, const Bsdf& bsdf, Rng& rng,
-                     RayTracer& tracer) const {
-        const auto sample = next_event_->sample(point, rng);
-        if (!sample) return {};
-        const BsdfValue value = bsdf.evaluate(sample->wi);
-        if (value.f_cos == Rgb{} || !tracer.visible(point, sample->light)) return {};
-        const double w = weight(kNextEvent, value.pdf, sample->pdf);
-        return static_cast<float>(w / sample->pdf) * (value.f_cos * sample->radiance);
     }
 
     PathParameters parameters_;

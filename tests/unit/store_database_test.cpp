@@ -6,7 +6,7 @@
 #include "renderer/base/error.h"
 #include "results/schema.h"
 #include "results/store.h"
-#include "tests/support/made_up_store.h"
+#include "tests/support/store_fixture.h"
 
 namespace misbench {
 namespace {
@@ -15,29 +15,7 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::string message_of(Errc code, const auto& action) {
-    try {
-        action();
-    } catch (const Error& e) {
-        EXPECT_EQ(e.code(), code) << e.what();
-        EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-        return e.what();
-    }
-    ADD_FAILURE() << "no error";
-    return "";
-}
-
-class StoreDatabaseTest : public testing::Test {
- protected:
-    Store open(Store::Access access = Store::Access::ReadWrite) const { return {folder(), access}; }
-    fs::path folder() const { return temporary_.path() / "store"; }
-
-    const Plan plan_ = made_up_plan("first", 3);
-    const Task task_ = made_up_task("plain", 1, SampleBudget{16});
-
- private:
-    TemporaryFolder temporary_;
-};
+using StoreDatabaseTest = StoreTest;
 
 // --- measurements ------------------------------------------------------------------------------
 
