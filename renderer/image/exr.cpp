@@ -5,29 +5,39 @@
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
+#include <ImfVersion.h>
 
 #include <array>
 #include <cstring>
+#include <span>
 
 #include "renderer/base/error.h"
 #include "renderer/base/files.h"
+#include "renderer/image/decode.h"
 #include "renderer/image/image.h"
 
 namespace misbench {
 namespace {
 
-constexpr std::array kChannels = {"R", "G", "B"};
-constexpr std::size_t kPixelBytes = 3 * sizeof(float);
+constexpr std::array kColor = {"R", "G", "B"};
+constexpr std::array kColorAndAlpha = {"R", "G", "B", "A"};
+constexpr std::array kGrey = {"Y"};
+constexpr std::array kGreyAndAlpha = {"Y", "A"};
+using Channels = std::span<const char* const>;
 
-Imf::FrameBuffer frame_buffer(float* rgb, int width) {
+// Interleaved floats that cover a window.
+Imf::FrameBuffer frame_buffer(float* values, Channels channels, const Imath::Box2i& window) {
+    const std::size_t pixel_bytes = channels.size() * sizeof(float);
     Imf::FrameBuffer buffer;
-    for (std::size_t c = 0; c < kChannels.size(); ++c) {
-        buffer.insert(kChannels[c],
-                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(rgb + c), kPixelBytes,
-                                 kPixelBytes * static_cast<std::size_t>(width)));
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+        buffer.insert(channels[c], Imf::Slice::Make(Imf::FLOAT, values + c, window, pixel_bytes));
     }
     return buffer;
 }
+
+// Beyond what compression makes of an image of one colour: a short file must not make us allocate
+// for pixels that it cannot hold.
+constexpr std::int64_t kMaxPixelsPerByte = 16384;
 
 // Collects a file in memory: the library's own file stream does not notice a full disk when its
 // last buffer is written.
@@ -49,6 +59,50 @@ class MemoryStream final : public Imf::OStream {
     std::size_t at_ = 0;
 };
 
+// The bytes of a file, for reading.
+class ByteStream final : public Imf::IStream {
+ public:
+    explicit ByteStream(const std::string& bytes) : IStream("image"), bytes_(bytes) {}
+    bool read(char c[], int n) override {
+        const auto size = static_cast<std::size_t>(n);
+        if (at_ > bytes_.size() || bytes_.size() - at_ < size) {
+            throw std::runtime_error("the file ends in the middle of its data");
+        }
+        std::memcpy(c, bytes_.data() + at_, size);
+        at_ += size;
+        return at_ < bytes_.size();
+    }
+    std::uint64_t tellg() override { return at_; }
+    void seekg(std::uint64_t position) override { at_ = position; }
+
+ private:
+    const std::string& bytes_;
+    std::size_t at_ = 0;
+};
+
+// What the file has of what we read.
+Channels channels_of(const Imf::ChannelList& list) {
+    const auto has = [&list](const char* name) { return list.findChannel(name) != nullptr; };
+    const bool alpha = has("A");
+    Channels channels;
+    if (has("R") && has("G") && has("B")) {
+        channels = alpha ? Channels(kColorAndAlpha) : Channels(kColor);
+    } else if (has("Y") && !has("RY") && !has("BY")) {
+        channels = alpha ? Channels(kGreyAndAlpha) : Channels(kGrey);
+    } else {
+        std::string found;
+        for (auto c = list.begin(); c != list.end(); ++c) found += std::string(" ") + c.name();
+        throw std::runtime_error("its channels are" + found + "; known: R G B, or Y, and A");
+    }
+    for (const char* name : channels) {
+        const Imf::Channel& channel = list[name];
+        if (channel.xSampling != 1 || channel.ySampling != 1) {
+            throw std::runtime_error(std::string("its channel ") + name + " is subsampled");
+        }
+    }
+    return channels;
+}
+
 }  // namespace
 
 void write_exr(const std::filesystem::path& path, const Image& image,
@@ -57,7 +111,7 @@ void write_exr(const std::filesystem::path& path, const Image& image,
     try {
         Imf::Header header(image.width, image.height);
         header.compression() = Imf::NO_COMPRESSION;
-        for (const char* channel : kChannels) {
+        for (const char* channel : kColor) {
             header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
         }
         for (const auto& [name, value] : attributes) {
@@ -65,7 +119,8 @@ void write_exr(const std::filesystem::path& path, const Image& image,
         }
         Imf::OutputFile file(stream, header, 0);
         // The writer only reads from the buffer; its interface is not const-correct.
-        file.setFrameBuffer(frame_buffer(const_cast<float*>(image.rgb.data()), image.width));
+        file.setFrameBuffer(
+            frame_buffer(const_cast<float*>(image.rgb.data()), kColor, header.dataWindow()));
         file.writePixels(image.height);
     } catch (const std::exception& e) {
         throw Error(Errc::DataLoss, "write image '" + path.string() + "': " + e.what());
@@ -73,24 +128,43 @@ void write_exr(const std::filesystem::path& path, const Image& image,
     write_file_durably(path, stream.bytes());
 }
 
-Image read_exr(const std::filesystem::path& path) {
-    if (!std::filesystem::exists(path)) {
-        throw Error(Errc::NotFound, "read image '" + path.string() + "': no such file");
+Pixels decode_exr(const std::string& bytes) {
+    ByteStream stream(bytes);
+    Imf::InputFile file(stream, 0);
+    if (Imf::isMultiPart(file.version())) throw std::runtime_error("it has several parts");
+    const Imf::Header& header = file.header();
+    const Imath::Box2i window = header.dataWindow();
+    if (window != header.displayWindow()) {
+        throw std::runtime_error("its data window is not its display window");
     }
+    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+    const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+    check_image_size(width, height);
+    if (width * height / kMaxPixelsPerByte > static_cast<std::int64_t>(bytes.size())) {
+        throw std::runtime_error("the file is too short for " + std::to_string(width) + " x " +
+                                 std::to_string(height) + " pixels");
+    }
+    const Channels channels = channels_of(header.channels());
+    Pixels pixels{.width = static_cast<int>(width),
+                  .height = static_cast<int>(height),
+                  .n_channels = static_cast<int>(channels.size()),
+                  .values = {}};
+    std::vector<float> values(pixels.n_values());
+    file.setFrameBuffer(frame_buffer(values.data(), channels, window));
+    file.readPixels(window.min.y, window.max.y);
+    pixels.values = std::move(values);
+    return pixels;
+}
+
+Image read_exr(const std::filesystem::path& path) {
+    const std::string bytes = read_file(path);
     try {
-        Imf::InputFile file(path.c_str(), 0);
-        const Imath::Box2i window = file.header().dataWindow();
-        if (window.min != Imath::V2i(0, 0)) {
-            throw std::runtime_error("its data window does not start at (0, 0)");
-        }
-        for (const char* channel : kChannels) {
-            if (file.header().channels().findChannel(channel) == nullptr) {
-                throw std::runtime_error(std::string("it has no channel ") + channel);
-            }
-        }
-        Image image(window.max.x + 1, window.max.y + 1);
-        file.setFrameBuffer(frame_buffer(image.rgb.data(), image.width));
-        file.readPixels(0, image.height - 1);
+        Pixels pixels = decode_exr(bytes);
+        if (pixels.n_channels != 3) throw std::runtime_error("its channels are not R G B");
+        Image image;
+        image.width = pixels.width;
+        image.height = pixels.height;
+        image.rgb = std::get<std::vector<float>>(std::move(pixels.values));
         return image;
     } catch (const std::exception& e) {
         throw Error(Errc::DataLoss, "read image '" + path.string() + "': " + e.what());

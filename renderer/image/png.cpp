@@ -6,13 +6,13 @@
 
 #include "renderer/base/check.h"
 #include "renderer/image/image.h"
+#include "renderer/image/srgb.h"
 
 namespace misbench {
 namespace {
 
 unsigned char srgb_byte(float linear) {
-    const float x = std::clamp(linear, 0.0F, 1.0F);
-    const float encoded = x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1.0F / 2.4F) - 0.055F;
+    const float encoded = encode_srgb(std::clamp(linear, 0.0F, 1.0F));
     return static_cast<unsigned char>(std::lround(255.0F * encoded));
 }
 

@@ -51,6 +51,7 @@ const std::vector<Owner> kOwners = {
     {"embree3/", {"renderer/embree"}},
     {"Imf", {"renderer/image"}},
     {"png.h", {"renderer/image"}},
+    {"stb/", {"renderer/image"}},
     {"openssl/", {"renderer/base"}},
     {"Random123/", {"renderer/base"}},
     {"sqlite3.h", {"results"}},

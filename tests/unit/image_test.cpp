@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 #include <limits>
 
 #include "renderer/base/error.h"
@@ -37,6 +38,19 @@ TEST_F(ImageFile, ComesBackBitByBit) {
     image.rgb[5] = 1e-42F;
     write_exr(path_, image, {{"scene", "Box"}});
     EXPECT_EQ(read_exr(path_), image);
+}
+
+TEST_F(ImageFile, ThatPromisesMorePixelsThanItCanHoldIsRefusedBeforeTheyAreAllocated) {
+    write_exr(path_, gradient(7, 3));
+    std::string bytes = read_file(path_);
+    for (const std::string window : {"dataWindow", "displayWindow"}) {
+        // Behind the name: the type's name "box2i", the size, xMin, yMin, xMax.
+        const std::size_t max = bytes.find(window) + window.size() + 1 + 6 + 4 + 8;
+        bytes.replace(max, 4, std::string("\xFF\xFF\x7F\0", 4));
+    }
+    std::ofstream(path_, std::ios::binary) << bytes;
+    EXPECT_THAT([&] { read_exr(path_); }, testing::ThrowsMessage<Error>(testing::HasSubstr(
+                                              "the file is too short for 8388608 x 3 pixels")));
 }
 
 TEST_F(ImageFile, ThatIsCutShortIsAnErrorThatNamesIt) {
