@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <new>
 #include <thread>
 
 #include "experiments/cli/output.h"
@@ -73,7 +74,8 @@ void add_render(CLI::App& app, Chosen& chosen) {
     verb.add_option("--seed", options->seed, "")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    verb.add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+    verb.add_option("--size", options->size,
+                    "WIDTHxHEIGHT in pixels; default: what the scene file asks for, else 640x480");
     verb.add_option("--threads", options->threads, "render threads")
         ->check(CLI::Range(1, 4096))
         ->capture_default_str();
@@ -82,6 +84,34 @@ void add_render(CLI::App& app, Chosen& chosen) {
     verb.add_option("--exposure", options->exposure, "stops, for .png")->capture_default_str();
     verb.add_flag("--json", options->json, "write the run's record to stdout");
     add_scenes(verb, options->scenes);
+}
+
+void add_scene(CLI::App& app, Chosen& chosen) {
+    CLI::App* scene = app.add_subcommand(
+        "scene", "show what a scene requires (info) or what is wrong with it (check)");
+    scene->require_subcommand(1);
+    const auto add = [&](const std::string& name, const std::string& help,
+                         int (*verb)(const SceneOptions&)) {
+        const auto options = std::make_shared<SceneOptions>();
+        options->threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+        CLI::App& command = add_verb(*scene, name, help, verb, options, chosen);
+        command.add_option("--threads", options->threads, "threads that build and render")
+            ->check(CLI::Range(1, 4096))
+            ->capture_default_str();
+        command.add_flag("--json", options->json, "as JSON");
+        add_scenes(command, options->scenes);
+        return command.add_option("scene", options->scene, "name or path of a scene");
+    };
+    add("info",
+        "show what a scene requires and which methods estimate all of its light; without a name "
+        "one line for every scene of the folder",
+        scene_info_verb);
+    add("check",
+        "the same after a render of about one second, with warnings (exit code 1) of flipped "
+        "emitters, missing light, a camera in geometry, degenerate, duplicate and wrongly wound "
+        "triangles, wrong normals, missing uv, non-finite samples",
+        scene_check_verb)
+        ->required();
 }
 
 void add_plan(CLI::App& app, Chosen& chosen) {
@@ -171,11 +201,15 @@ std::string command_line_of(int argc, char** argv) {
 
 // CLI11 would only say that a subcommand is required.
 void require_known_verb(const CLI::App& app, int argc, char** argv) {
-    if (argc < 2 || argv[1][0] == '-') return;
-    std::vector<std::string> known;
-    for (const CLI::App* verb : app.get_subcommands({})) known.push_back(verb->get_name());
-    if (std::ranges::find(known, argv[1]) == known.end()) {
-        throw Error(Errc::InvalidArgument, unknown_name("verb", argv[1], known));
+    const CLI::App* verb = &app;
+    for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+        std::vector<std::string> known;
+        for (const CLI::App* sub : verb->get_subcommands({})) known.push_back(sub->get_name());
+        if (known.empty()) return;
+        if (std::ranges::find(known, argv[i]) == known.end()) {
+            throw Error(Errc::InvalidArgument, unknown_name("verb", argv[i], known));
+        }
+        verb = verb->get_subcommand(argv[i]);
     }
 }
 
@@ -185,11 +219,12 @@ int run_program(int argc, char** argv) {
                                                   build_compiler(), build_flags()));
     app.require_subcommand(1);
     app.footer(
-        "Exit codes: 0 done, 1 some tasks failed, 2 usage or experiment, 3 store,\n"
-        "4 coordinator out of reach, 70 a bug of misbench, 130 interrupted.");
+        "Exit codes: 0 done, 1 some tasks failed or a scene has warnings, 2 usage, experiment\n"
+        "or scene, 3 store, 4 coordinator out of reach, 70 a bug of misbench, 130 interrupted.");
     Chosen chosen;
     add_list(app, chosen);
     add_render(app, chosen);
+    add_scene(app, chosen);
     add_plan(app, chosen);
     add_run(app, chosen, command_line_of(argc, argv));
     add_table(app, chosen);
@@ -217,6 +252,9 @@ int main(int argc, char** argv) {
     } catch (const misbench::Error& e) {
         misbench::print_error(e.what());
         return misbench::exit_code(e.code());
+    } catch (const std::bad_alloc&) {
+        misbench::print_error("out of memory: a smaller image or scene is needed");
+        return misbench::exit_code(misbench::Errc::FailedPrecondition);
     } catch (const std::exception& e) {
         misbench::print_error(std::string("unexpected: ") + e.what());
         return misbench::exit_code(misbench::Errc::Internal);

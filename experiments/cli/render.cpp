@@ -113,7 +113,8 @@ int render_verb(const RenderOptions& options) {
     if (extension != ".exr" && extension != ".png") {
         fail_usage("write '" + options.output + "': unknown extension; known: .exr .png");
     }
-    const FrameInfo size = parse_size(options.size);
+    FrameInfo size;
+    if (!options.size.empty()) size = parse_size(options.size);
     const MethodInfo& method = find_method(options.method);
     Task task{.scene_hash = {},
               .width = size.width,
@@ -132,6 +133,11 @@ int render_verb(const RenderOptions& options) {
     task.scene_hash = scene_content_hash(scene.file);
 
     const LoadedScene loaded = load_scene(scene.file, options.threads);
+    if (options.size.empty()) {
+        const FilmDefaults& film = loaded.scene->film();
+        task.width = film.width > 0 ? film.width : 640;
+        task.height = film.height > 0 ? film.height : 480;
+    }
     RenderResult result = render(*loaded.scene, {.method = task.method,
                                                  .parameters = task.parameters,
                                                  .width = task.width,

@@ -1,7 +1,7 @@
 // What each verb of `misbench` is told and does. main.cpp alone knows the command line's syntax; a
 // verb returns its exit code or throws Error.
 //
-// Exit codes: 0 done; 1 some tasks failed; 2 usage or experiment; 3 store; 4 coordinator out of
+// Exit codes: 0 done; 1 some tasks failed, or a scene has warnings; 2 usage or experiment; 3 store; 4 coordinator out of
 // reach; 70 a bug of ours; 130 interrupted.
 #pragma once
 
@@ -31,7 +31,7 @@ struct RenderOptions {
     std::optional<double> seconds;
     std::string clock = "cpu";
     std::int64_t seed = 1;
-    std::string size = "640x480";
+    std::string size;  // empty: what the scene file asks for, else 640x480
     int threads = 1;
     std::string output;  // .exr or .png
     double exposure = 0;
@@ -39,6 +39,16 @@ struct RenderOptions {
     bool json = false;
 };
 int render_verb(const RenderOptions& options);
+
+struct SceneOptions {
+    std::string scene;  // name or path; "" for all of the folder (info only)
+    std::string scenes;
+    int threads = 1;
+    bool json = false;
+};
+int scene_info_verb(const SceneOptions& options);
+// Returns kExitSomeFailed where there are warnings.
+int scene_check_verb(const SceneOptions& options);
 
 // An experiment file and what changes it.
 struct ExperimentOptions {

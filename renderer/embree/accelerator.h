@@ -9,6 +9,7 @@
 #include <string>
 
 #include "renderer/math/vec.h"
+#include "renderer/scene/quadric.h"
 
 struct RTCDeviceTy;
 struct RTCSceneTy;
@@ -21,17 +22,19 @@ struct Ray {
 };
 
 struct RayHit {
-    float distance = 0;          // in lengths of the ray's direction
-    Vec2 barycentric;            // of the triangle's second and third corner
-    std::uint32_t triangle = 0;  // index into the triangles given to build()
+    float distance = 0;           // in lengths of the ray's direction
+    Vec2 barycentric;             // of a triangle's second and third corner
+    std::uint32_t primitive = 0;  // index into the triangles, or into the quadrics
+    bool is_quadric = false;
 };
 
 class Accelerator {
  public:
-    // The vertices and triangles must outlive the accelerator; the array of vertices must have one
-    // more element than the triangles use (Embree reads 16 bytes a vertex).
+    // All must outlive the accelerator; the array of vertices must have one more element than the
+    // triangles use (Embree reads 16 bytes a vertex).
     Accelerator(std::span<const Vec3> vertices,
-                std::span<const std::array<std::uint32_t, 3>> triangles, int build_threads);
+                std::span<const std::array<std::uint32_t, 3>> triangles,
+                std::span<const QuadricShape> quadrics, int build_threads);
     ~Accelerator();
 
     // The closest hit with distance > 0.
@@ -39,8 +42,12 @@ class Accelerator {
     // Whether something lies on the open segment from the origin to origin + direction, up to the
     // rounding of the far end.
     bool occluded(const Ray& segment) const;
+    // Whether something lies on the ray, however far.
+    bool occluded_to_infinity(const Ray& ray) const;
 
  private:
+    bool occluded(const Ray& ray, float far) const;
+
     struct Release {
         void operator()(RTCDeviceTy* device) const;
         void operator()(RTCSceneTy* scene) const;

@@ -14,8 +14,8 @@
 #include "renderer/methods/next_event.h"
 #include "renderer/methods/parameters_of.h"
 #include "renderer/methods/pass_context.h"
+#include "renderer/methods/specialize.h"
 #include "renderer/mis/heuristics.h"
-#include "renderer/scene/bsdf.h"
 
 namespace misbench {
 namespace {
@@ -62,26 +62,35 @@ class DirectLight final : public Method {
     }
 
     void pass(PassContext& context) override {
-        context.for_each_pixel([this](const Ray& ray, Rng& rng, RayTracer& tracer) {
-            const std::optional<SurfacePoint> hit = tracer.closest(ray);
-            if (!hit) return Rgb{};
-            const Vec3 wo = -ray.direction;
-            const Bsdf bsdf(*hit, wo);
-            Rgb sum = tracer.scene().emitted(*hit, wo);
-            for (std::int64_t i = 0; i < parameters_.light_samples; ++i) {
-                sum += next_event_->estimate(
-                    *hit, bsdf, rng, tracer,
-                    [this](double p_b, double p_l) { return weight(kNextEvent, p_b, p_l); });
-            }
-            for (std::int64_t i = 0; i < parameters_.bsdf_samples; ++i) {
-                sum += bsdf_sample(*hit, bsdf, rng, tracer);
-            }
-            return sum;
+        specialize(context.scene(), [&]<bool kPlain>() {
+            context.for_each_pixel([this](const Ray& ray, Rng& rng, RayTracer& tracer) {
+                return radiance<kPlain>(ray, rng, tracer);
+            });
         });
     }
 
  private:
     enum Technique : std::size_t { kBsdf, kNextEvent };
+
+    template <bool kPlain>
+    Rgb radiance(const Ray& ray, Rng& rng, RayTracer& tracer) const {
+        const Scene& scene = tracer.scene();
+        const std::optional<SurfacePoint> hit = tracer.closest(ray);
+        if (!hit) return kPlain ? Rgb{} : scene.background(ray.direction);
+        const Vec3 wo = -ray.direction;
+        const BasicBsdf<!kPlain> bsdf(scene, *hit, wo);
+        Rgb sum = scene.emitted(*hit, wo);
+        for (std::int64_t i = 0; i < parameters_.light_samples; ++i) {
+            sum += next_event_->template estimate<kPlain>(
+                *hit, bsdf, rng, tracer,
+                [this](double p_b, double p_l) { return weight(kNextEvent, p_b, p_l); },
+                1 / static_cast<double>(parameters_.light_samples));
+        }
+        for (std::int64_t i = 0; i < parameters_.bsdf_samples; ++i) {
+            sum += bsdf_sample<kPlain>(*hit, bsdf, rng, tracer);
+        }
+        return sum;
+    }
 
     // w_s / n_s of one sample: the multi-sample estimator Σ_s 1/n_s Σ_i w_s f / p_s.  [VG95]
     double weight(Technique technique, double p_b, double p_l) const {
@@ -91,18 +100,27 @@ class DirectLight final : public Method {
         return heuristic_.weight(q, technique) / n[technique];
     }
 
-    Rgb bsdf_sample(const SurfacePoint& point, const Bsdf& bsdf, Rng& rng,
+    template <bool kPlain>
+    Rgb bsdf_sample(const SurfacePoint& point, const BasicBsdf<!kPlain>& bsdf, Rng& rng,
                     RayTracer& tracer) const {
         const float lobe = rng.uniform();
         const float u = rng.uniform();
         const auto sample = bsdf.sample({lobe, {u, rng.uniform()}});
         if (!sample) return {};
+        const Scene& scene = tracer.scene();
         const auto hit = tracer.closest({point.leave(sample->wi), sample->wi});
-        if (!hit) return {};
-        const Rgb emitted = tracer.scene().emitted(*hit, -sample->wi);
-        if (emitted == Rgb{}) return {};
-        const double w = weight(kBsdf, sample->pdf, next_event_->pdf(point, *hit));
-        return static_cast<float>(w) * (sample->weight * emitted);
+        Rgb arriving;
+        if (hit) arriving = scene.emitted(*hit, -sample->wi);
+        if (!kPlain && !hit) arriving = scene.background(sample->wi);
+        if (arriving == Rgb{}) return {};
+        // Nothing else finds what a delta lobe sees.
+        double w = 1 / static_cast<double>(parameters_.bsdf_samples);
+        if (kPlain || !sample->is_delta) {
+            w = weight(kBsdf, sample->pdf,
+                       hit ? next_event_->pdf(point.position, *hit)
+                           : next_event_->environment_pdf(point.position, sample->wi));
+        }
+        return static_cast<float>(w) * (sample->weight * arriving);
     }
 
     DirectParameters parameters_;
@@ -110,9 +128,19 @@ class DirectLight final : public Method {
     std::optional<NextEvent> next_event_;
 };
 
+std::string limits(const SceneFeatures& scene) {
+    std::string text = "estimates emission and direct light only";
+    if (scene.transmission) text += "; of what lies behind transparent surfaces, the emission only";
+    if (scene.delta_lobes) text += "; with bsdf_samples=0 no light through delta lobes";
+    if (scene.delta_lights) {
+        text += "; with light_samples=0 no light of point, spot and directional lights";
+    }
+    return text;
+}
+
 }  // namespace
 
 const MethodInfo kDirect = method_info<DirectLight, DirectParameters>(
-    "direct", "emission and direct light by light samples and BSDF samples", 1, false);
+    "direct", "emission and direct light by light samples and BSDF samples", 2, false, limits);
 
 }  // namespace misbench

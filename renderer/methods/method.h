@@ -14,6 +14,7 @@ namespace misbench {
 
 class Scene;
 class PassContext;
+struct SceneFeatures;
 
 struct FrameInfo {
     int width = 0;
@@ -49,6 +50,9 @@ struct MethodInfo {
     std::string_view summary;
     int version;           // part of a run's identity; bump it when the estimator's samples change
     bool may_be_negative;  // samples below zero are part of the estimator
+    // What light of such a scene the method misses, as one sentence without its full stop; "" where
+    // it estimates all light (up to the path length that its parameters allow).
+    std::string (*limits)(const SceneFeatures& scene);
     std::vector<ParameterInfo> (*parameters)();
     // Defaults filled in, types and values checked. Throws ParameterError with what is known.
     ParameterMap (*effective)(const ParameterMap& given);

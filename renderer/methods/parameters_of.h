@@ -85,11 +85,13 @@ ParameterMap effective_parameters(const ParameterMap& given) {
 // The catalogue's row of a method M with parameters P.
 template <class M, class P>
 constexpr MethodInfo method_info(std::string_view name, std::string_view summary, int version,
-                                 bool may_be_negative) {
+                                 bool may_be_negative,
+                                 std::string (*limits)(const SceneFeatures&)) {
     return {.name = name,
             .summary = summary,
             .version = version,
             .may_be_negative = may_be_negative,
+            .limits = limits,
             .parameters = parameter_infos<P>,
             .effective = effective_parameters<P>,
             .make = [](const ParameterMap& given) -> std::unique_ptr<Method> {

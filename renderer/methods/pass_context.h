@@ -12,6 +12,7 @@
 #include "renderer/methods/method.h"
 #include "renderer/methods/thread_pool.h"
 #include "renderer/scene/camera.h"
+#include "renderer/scene/light_transport.h"
 #include "renderer/scene/scene.h"
 
 namespace misbench {
@@ -28,9 +29,11 @@ class RayTracer {
         ++n_rays_;
         return scene_.closest(ray);
     }
-    bool visible(const SurfacePoint& from, const SurfacePoint& to) {
+    // Whether light comes from there: no surface is in between.
+    template <bool kPlain>
+    bool visible(const SurfacePoint& from, const LightEnd& light) {
         ++n_rays_;
-        return scene_.visible(from, to);
+        return kPlain ? scene_.visible(from, light.point) : misbench::visible(scene_, from, light);
     }
 
  private:
@@ -60,10 +63,12 @@ class PassContext {
           stop_(stop),
           film_(film) {}
 
+    const Scene& scene() const { return scene_; }
+
     // Estimates every pixel once: estimate(camera_ray, rng, tracer) -> Rgb for a ray through a
-    // uniform point of the pixel. The chunks are tiles of a fixed size, each pixel is written by
-    // its own chunk and its random numbers depend on nothing else, so the result is the same for
-    // every number of threads.
+    // uniform point of the pixel and of the lens. The chunks are tiles of a fixed size, each pixel
+    // is written by its own chunk and its random numbers depend on nothing else, so the result is
+    // the same for every number of threads.
     template <class Estimate>
     void for_each_pixel(const Estimate& estimate) {
         run_tiles([&](const Tile& tile, TileResult& result) {
@@ -74,8 +79,13 @@ class PassContext {
                             static_cast<std::uint32_t>(pass_));
                     const float dx = rng.uniform();
                     const float dy = rng.uniform();
+                    Vec2 lens;
+                    if (camera_.has_lens()) {
+                        lens.x = rng.uniform();
+                        lens.y = rng.uniform();
+                    }
                     const Ray ray =
-                        camera_.ray({static_cast<float>(x) + dx, static_cast<float>(y) + dy});
+                        camera_.ray({static_cast<float>(x) + dx, static_cast<float>(y) + dy}, lens);
                     put(x, y, estimate(ray, rng, tracer), result);
                 }
             }

@@ -17,8 +17,8 @@
 #include "renderer/methods/next_event.h"
 #include "renderer/methods/parameters_of.h"
 #include "renderer/methods/pass_context.h"
+#include "renderer/methods/specialize.h"
 #include "renderer/mis/heuristics.h"
-#include "renderer/scene/bsdf.h"
 
 namespace misbench {
 namespace {
@@ -36,7 +36,8 @@ struct PathParameters {
         field("rr_depth", self.rr_depth,
               "edges after which Russian roulette may end a path, by its throughput");
         field("nee", self.nee, "next event estimation: sample lights at every vertex");
-        field("bsdf", self.bsdf, "count lights that BSDF sampling runs into");
+        field("bsdf", self.bsdf,
+              "count lights that BSDF sampling runs into and next event estimation finds as well");
         field("mis", self.mis, "heuristic that combines the two, where both are on");
         field("light_selection", self.light_selection, "how one light is chosen among all");
     }
@@ -65,13 +66,23 @@ class PathTracer final : public Method {
     }
 
     void pass(PassContext& context) override {
-        context.for_each_pixel([this](const Ray& ray, Rng& rng, RayTracer& tracer) {
-            return radiance(ray, rng, tracer);
+        specialize(context.scene(), [&]<bool kPlain>() {
+            context.for_each_pixel([this](const Ray& ray, Rng& rng, RayTracer& tracer) {
+                return radiance<kPlain>(ray, rng, tracer);
+            });
         });
     }
 
  private:
     enum Technique : std::size_t { kBsdf, kNextEvent };
+
+    // What is known of a direction that BSDF sampling chose.
+    struct Origin {
+        bool is_camera = true;  // the rest means nothing
+        Vec3 position;
+        double p_b = 0;
+        bool is_delta = false;
+    };
 
     // The weight of a technique where both are on; they take one sample each.
     double weight(Technique technique, double p_b, double p_l) const {
@@ -79,41 +90,59 @@ class PathTracer final : public Method {
         return heuristic_.weight(std::array{p_b, p_l}, technique);
     }
 
+    // The weight of light that an edge ran into; p_l() is its density by next event estimation.
+    template <bool kPlain, class Density>
+    double hit_weight(const Origin& origin, const Density& p_l) const {
+        // Nothing but this edge finds what a camera or a delta lobe sees.
+        if (origin.is_camera || (!kPlain && origin.is_delta)) return 1;
+        return parameters_.bsdf ? weight(kBsdf, origin.p_b, p_l()) : 0;
+    }
+
     // The radiance along a camera ray, one sample of [Kaj86]'s equation.
+    template <bool kPlain>
     Rgb radiance(Ray ray, Rng& rng, RayTracer& tracer) const {
+        const Scene& scene = tracer.scene();
         Rgb sum;
         Rgb beta = kWhite;
-        double p_b = 0;
-        std::optional<SurfacePoint> previous;
+        float eta = 1;  // of the medium at the path's end over the camera's
+        Origin origin;
         for (std::int64_t depth = 1;; ++depth) {
-            // Find the vertex at the end of edge `depth`.
+            // Find the vertex at the end of edge `depth`, or light from far outside.
             const std::optional<SurfacePoint> hit = tracer.closest(ray);
-            if (!hit) return sum;
+            if (!hit) {
+                if constexpr (!kPlain) {
+                    const Rgb radiance = scene.background(ray.direction);
+                    if (radiance == Rgb{}) return sum;
+                    const double w = hit_weight<kPlain>(origin, [&] {
+                        return next_event_->environment_pdf(origin.position, ray.direction);
+                    });
+                    sum += static_cast<float>(w) * (beta * radiance);
+                }
+                return sum;
+            }
             const Vec3 wo = -ray.direction;
 
             // Add light that the edge ran into, weighted against next event estimation.  [VG95]
-            if (const Rgb emitted = tracer.scene().emitted(*hit, wo); emitted != Rgb{}) {
-                if (!previous) {
-                    sum += emitted;
-                } else if (parameters_.bsdf) {
-                    const double p_l = next_event_->pdf(*previous, *hit);
-                    sum += static_cast<float>(weight(kBsdf, p_b, p_l)) * (beta * emitted);
-                }
+            if (const Rgb emitted = scene.emitted(*hit, wo); emitted != Rgb{}) {
+                const double w = hit_weight<kPlain>(
+                    origin, [&] { return next_event_->pdf(origin.position, *hit); });
+                sum += static_cast<float>(w) * (beta * emitted);
             }
             if (depth == parameters_.max_depth) return sum;
 
             // Add light that next event estimation finds from here, weighted against BSDF sampling.
-            const Bsdf bsdf(*hit, wo);
+            const BasicBsdf<!kPlain> bsdf(scene, *hit, wo);
             if (parameters_.nee) {
-                sum += beta *
-                       next_event_->estimate(*hit, bsdf, rng, tracer, [this](double p, double p_l) {
-                           return weight(kNextEvent, p, p_l);
-                       });
+                sum += beta * next_event_->template estimate<kPlain>(
+                                  *hit, bsdf, rng, tracer, [this](double p, double p_l) {
+                                      return weight(kNextEvent, p, p_l);
+                                  });
             }
 
-            // End long paths at random. The survival probability is in beta, not in the densities.
+            // End long paths at random, by the throughput without the scale of refraction. The
+            // survival probability is in beta, not in the densities.
             if (depth >= parameters_.rr_depth) {
-                const float survival = std::min(kMaxSurvival, max_channel(beta));
+                const float survival = std::min(kMaxSurvival, eta * eta * max_channel(beta));
                 if (rng.uniform() >= survival) return sum;
                 beta = (1 / survival) * beta;
             }
@@ -126,8 +155,11 @@ class PathTracer final : public Method {
             MISBENCH_CHECK(sample->pdf > 0);
             beta *= sample->weight;
             if (beta == Rgb{}) return sum;
-            p_b = sample->pdf;
-            previous = hit;
+            eta *= sample->eta;
+            origin = {.is_camera = false,
+                      .position = hit->position,
+                      .p_b = sample->pdf,
+                      .is_delta = sample->is_delta};
             ray = {hit->leave(sample->wi), sample->wi};
         }
     }
@@ -137,9 +169,16 @@ class PathTracer final : public Method {
     std::optional<NextEvent> next_event_;
 };
 
+std::string limits(const SceneFeatures& scene) {
+    if (!scene.delta_lights) return "";
+    std::string text = "with nee=false it finds no light of point, spot and directional lights";
+    if (scene.delta_lobes) text += "; never their light by way of mirrors, glass and masks";
+    return text;
+}
+
 }  // namespace
 
 const MethodInfo kPath = method_info<PathTracer, PathParameters>(
-    "path", "path tracing with next event estimation", 1, false);
+    "path", "path tracing with next event estimation", 2, false, limits);
 
 }  // namespace misbench

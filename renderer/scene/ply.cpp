@@ -70,17 +70,22 @@ class PlyBytes {
 
     double value(Scalar type) { return encoding == Encoding::Ascii ? text_value() : binary(type); }
     std::size_t bytes_left() const { return bytes_.size() - at_; }
+    // The next n bytes of a binary body.
+    const char* take(std::size_t n) {
+        if (bytes_left() < n) fail("the file ends in the middle of its data");
+        const char* const taken = bytes_.data() + at_;
+        at_ += n;
+        return taken;
+    }
 
     Encoding encoding = Encoding::Ascii;
 
  private:
     template <class T>
     double binary_as() {
-        if (bytes_left() < sizeof(T)) fail("the file ends in the middle of its data");
         std::array<char, sizeof(T)> raw;
-        std::memcpy(raw.data(), bytes_.data() + at_, sizeof(T));
+        std::memcpy(raw.data(), take(sizeof(T)), sizeof(T));
         if (encoding == Encoding::BigEndian) std::reverse(raw.begin(), raw.end());
-        at_ += sizeof(T);
         return static_cast<double>(std::bit_cast<T>(raw));
     }
 
@@ -122,6 +127,10 @@ class PlyBytes {
     std::string file_;
     std::size_t at_ = 0;
 };
+
+const ScalarName& scalar_row(Scalar type) { return kScalars[static_cast<std::size_t>(type)]; }
+
+bool is_integer(Scalar type) { return type != Scalar::Float32 && type != Scalar::Float64; }
 
 const ScalarName& scalar_named(const std::string& name, const PlyBytes& in) {
     const auto* row = std::find_if(kScalars.begin(), kScalars.end(), [&name](const ScalarName& s) {
@@ -170,6 +179,7 @@ std::vector<Element> read_header(PlyBytes& in) {
             if (word == "list") {
                 words >> word;
                 property.count_type = scalar_named(word, in).type;
+                if (!is_integer(*property.count_type)) in.fail("a list's length of type " + word);
                 words >> word;
             }
             property.type = scalar_named(word, in).type;
@@ -187,36 +197,107 @@ void skip(const Property& property, PlyBytes& in) {
     for (std::size_t i = 0; i < n; ++i) in.value(property.type);
 }
 
-// Which float of a vertex a property fills: 0-2 position, 3-5 normal, 6-7 texture coordinates.
-std::optional<std::size_t> vertex_slot(const std::string& name) {
-    constexpr std::array<std::string_view, 10> kNames = {"x",  "y", "z", "nx", "ny",
-                                                         "nz", "u", "v", "s",  "t"};
-    const auto* found = std::find(kNames.begin(), kNames.end(), name);
-    if (found == kNames.end()) return std::nullopt;
-    const auto slot = static_cast<std::size_t>(found - kNames.begin());
-    return slot < 8 ? slot : slot - 2;
+// The least that a row of the element takes in the file.
+std::size_t min_row_bytes(const Element& element, Encoding encoding) {
+    std::size_t n = 0;
+    for (const Property& property : element.properties) {
+        // A value of text is a digit and what parts it from the next one.
+        n += encoding == Encoding::Ascii
+                 ? 2
+                 : scalar_row(property.count_type.value_or(property.type)).bytes;
+    }
+    return std::max<std::size_t>(n, 1);
 }
 
-void read_vertices(const Element& element, PlyBytes& in, Mesh& mesh) {
-    std::array<bool, 8> present{};
-    std::vector<std::optional<std::size_t>> slots;
-    for (const Property& property : element.properties) {
-        slots.push_back(property.count_type ? std::nullopt : vertex_slot(property.name));
-        if (slots.back()) present[*slots.back()] = true;
+// Refuses more rows than the rest of the file can hold, before memory is made for them. The last
+// value of a text may stand without a space behind it.
+void check_rows(const Element& element, const PlyBytes& in) {
+    if (element.count > in.bytes_left() / min_row_bytes(element, in.encoding) + 1) {
+        in.fail("a count is larger than the file");
     }
-    if (!(present[0] && present[1] && present[2])) in.fail("vertices without x y z");
-    const bool has_normals = present[3] && present[4] && present[5];
-    const bool has_uvs = present[6] && present[7];
-    mesh.positions.reserve(element.count);
-    for (std::size_t i = 0; i < element.count; ++i) {
-        std::array<float, 8> v{};
-        for (std::size_t p = 0; p < slots.size(); ++p) {
-            if (slots[p]) {
-                v[*slots[p]] = static_cast<float>(in.value(element.properties[p].type));
+}
+
+// The floats of a vertex that we read: 0-2 position, 3-5 normal, 6-7 texture coordinates.
+constexpr std::size_t kVertexFloats = 8;
+using VertexFloats = std::array<float, kVertexFloats>;
+
+// Which of them a property fills.
+std::optional<std::size_t> vertex_slot(const Property& property) {
+    constexpr std::array<std::string_view, 10> kNames = {"x",  "y", "z", "nx", "ny",
+                                                         "nz", "u", "v", "s",  "t"};
+    const auto* found = std::find(kNames.begin(), kNames.end(), property.name);
+    if (found == kNames.end() || property.count_type) return std::nullopt;
+    const auto slot = static_cast<std::size_t>(found - kNames.begin());
+    return slot < kVertexFloats ? slot : slot - 2;
+}
+
+// Reads vertices one by one: by their place in the row where rows have one size and our floats
+// need no conversion, else value by value.
+class VertexReader {
+ public:
+    VertexReader(const Element& element, PlyBytes& in) : element_(element), in_(in) {
+        is_plain_ = in.encoding == Encoding::LittleEndian;
+        for (const Property& property : element.properties) {
+            const auto slot = vertex_slot(property);
+            slots_.push_back(slot);
+            if (slot) {
+                present_[*slot] = true;
+                offsets_[*slot] = row_bytes_;
+            }
+            is_plain_ =
+                is_plain_ && !property.count_type && (!slot || property.type == Scalar::Float32);
+            row_bytes_ += scalar_row(property.type).bytes;
+        }
+    }
+
+    bool has(std::size_t first, std::size_t n) const {
+        return std::all_of(present_.begin() + first, present_.begin() + first + n,
+                           [](bool present) { return present; });
+    }
+
+    VertexFloats next() { return is_plain_ ? by_place() : by_value(); }
+
+ private:
+    VertexFloats by_place() {
+        VertexFloats v{};
+        const char* const row = in_.take(row_bytes_);
+        for (std::size_t slot = 0; slot < kVertexFloats; ++slot) {
+            if (present_[slot]) std::memcpy(&v[slot], row + offsets_[slot], sizeof(float));
+        }
+        return v;
+    }
+
+    VertexFloats by_value() {
+        VertexFloats v{};
+        for (std::size_t p = 0; p < slots_.size(); ++p) {
+            if (slots_[p]) {
+                v[*slots_[p]] = static_cast<float>(in_.value(element_.properties[p].type));
             } else {
-                skip(element.properties[p], in);
+                skip(element_.properties[p], in_);
             }
         }
+        return v;
+    }
+
+    const Element& element_;
+    PlyBytes& in_;
+    std::vector<std::optional<std::size_t>> slots_;  // parallel to the properties
+    std::array<bool, kVertexFloats> present_{};
+    std::array<std::size_t, kVertexFloats> offsets_{};
+    std::size_t row_bytes_ = 0;
+    bool is_plain_ = false;
+};
+
+void read_vertices(const Element& element, PlyBytes& in, Mesh& mesh) {
+    VertexReader reader(element, in);
+    if (!reader.has(0, 3)) in.fail("vertices without x y z");
+    const bool has_normals = reader.has(3, 3);
+    const bool has_uvs = reader.has(6, 2);
+    mesh.positions.reserve(element.count);
+    if (has_normals) mesh.normals.reserve(element.count);
+    if (has_uvs) mesh.uvs.reserve(element.count);
+    for (std::size_t i = 0; i < element.count; ++i) {
+        const VertexFloats v = reader.next();
         mesh.positions.push_back({v[0], v[1], v[2]});
         if (has_normals) mesh.normals.push_back({v[3], v[4], v[5]});
         if (has_uvs) mesh.uvs.push_back({v[6], v[7]});
@@ -239,17 +320,30 @@ void read_polygon(const Property& property, PlyBytes& in, Mesh& mesh) {
     }
 }
 
+bool is_corner_list(const Property& property) {
+    return property.count_type && is_integer(property.type) &&
+           (property.name == "vertex_index" || property.name == "vertex_indices");
+}
+
 void read_faces(const Element& element, PlyBytes& in, Mesh& mesh) {
+    if (std::none_of(element.properties.begin(), element.properties.end(), is_corner_list)) {
+        in.fail("faces without an integer list vertex_index or vertex_indices");
+    }
+    mesh.triangles.reserve(element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
         for (const Property& property : element.properties) {
-            const bool corners =
-                property.name == "vertex_index" || property.name == "vertex_indices";
-            if (corners && property.count_type) {
+            if (is_corner_list(property)) {
                 read_polygon(property, in, mesh);
             } else {
                 skip(property, in);
             }
         }
+    }
+}
+
+void skip_rows(const Element& element, PlyBytes& in) {
+    for (std::size_t i = 0; i < element.count; ++i) {
+        for (const Property& property : element.properties) skip(property, in);
     }
 }
 
@@ -260,17 +354,21 @@ Mesh read_ply(const std::filesystem::path& path) {
     PlyBytes in(bytes, path.string());
     const std::vector<Element> elements = read_header(in);
     Mesh mesh;
+    int n_vertex_elements = 0;
+    int n_face_elements = 0;
     for (const Element& element : elements) {
+        check_rows(element, in);
         if (element.name == "vertex") {
+            if (++n_vertex_elements > 1) in.fail("two elements are named 'vertex'");
             read_vertices(element, in, mesh);
         } else if (element.name == "face") {
+            ++n_face_elements;
             read_faces(element, in, mesh);
         } else {
-            for (std::size_t i = 0; i < element.count; ++i) {
-                for (const Property& property : element.properties) skip(property, in);
-            }
+            skip_rows(element, in);
         }
     }
+    if (n_face_elements == 0) in.fail("no element is named 'face'");
     return mesh;
 }
 

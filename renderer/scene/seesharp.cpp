@@ -4,130 +4,61 @@
 #include <nlohmann/json.hpp>
 
 #include "renderer/base/error.h"
-#include "renderer/base/files.h"
+#include "renderer/scene/json_node.h"
 #include "renderer/scene/obj.h"
 #include "renderer/scene/ply.h"
 
 namespace misbench {
 namespace {
 
-using nlohmann::json;
 namespace fs = std::filesystem;
 
-// A JSON value with the place it stands at, so that every error names it.
-class Node {
- public:
-    Node(const json* value, std::string file, std::string place)
-        : value_(value), file_(std::move(file)), place_(std::move(place)) {}
+// {"type": "rgb", "value": [r, g, b]}, finite and not negative; the type may be left out.
+Rgb read_rgb(const JsonNode& node) {
+    if (const auto type = node.string_or("type", "rgb"); type != "rgb") {
+        node.fail("colours of type '" + type + "' are not supported here; known: rgb");
+    }
+    const Vec3 v = node["value"].vec3();
+    if (v.x < 0 || v.y < 0 || v.z < 0) node.fail("a colour must not be negative");
+    return {v.x, v.y, v.z};
+}
 
-    [[noreturn]] void fail(const std::string& reason) const {
-        throw Error(Errc::InvalidArgument,
-                    "scene '" + file_ + "': " + (place_.empty() ? "" : place_ + ": ") + reason);
-    }
+// The file of a colour that is an image: "image" and "filename" in current files, "texture" and
+// "path" in old ones.
+std::optional<std::string> image_of(const JsonNode& color) {
+    const auto type = color.string_or("type", "rgb");
+    if (type == "image") return color["filename"].string();
+    if (type == "texture") return color["path"].string();
+    return std::nullopt;
+}
 
-    bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
-    Node operator[](const char* key) const {
-        if (!has(key)) fail(std::string("missing '") + key + "'");
-        return {&(*value_)[key], file_, place_.empty() ? key : place_ + "." + key};
+std::string background_file(const JsonNode& background) {
+    if (const auto type = background["type"].string(); type != "image") {
+        background["type"].fail("backgrounds of type '" + type +
+                                "' are not supported; known: image");
     }
-    // The elements of an array; none when the key is missing.
-    std::vector<Node> list(const char* key) const {
-        if (!has(key)) return {};
-        const Node array = (*this)[key];
-        if (!array.value_->is_array()) array.fail("expected an array");
-        std::vector<Node> nodes;
-        for (std::size_t i = 0; i < array.value_->size(); ++i) {
-            nodes.emplace_back(&(*array.value_)[i], file_,
-                               array.place_ + "[" + std::to_string(i) + "]");
-        }
-        return nodes;
-    }
-
-    template <class T>
-    T as() const {
-        try {
-            return value_->get<T>();
-        } catch (const json::exception&) {
-            fail("unexpected value " + value_->dump().substr(0, 60));
-        }
-    }
-    template <class T>
-    T value_or(const char* key, T fallback) const {
-        return has(key) ? (*this)[key].as<T>() : fallback;
-    }
-    bool is_string() const { return value_->is_string(); }
-
-    // A number that is finite and, unless said otherwise, not negative.
-    float number_or(const char* key, float fallback) const {
-        const auto value = value_or<float>(key, fallback);
-        if (!std::isfinite(value)) (*this)[key].fail("is not finite");
-        return value;
-    }
-    float fraction_or(const char* key, float fallback) const {
-        const float value = number_or(key, fallback);
-        if (value < 0 || value > 1) (*this)[key].fail("is not between 0 and 1");
-        return value;
-    }
-    std::vector<float> floats(std::size_t multiple_of) const {
-        auto values = as<std::vector<float>>();
-        if (values.size() % multiple_of != 0) {
-            fail("expected a multiple of " + std::to_string(multiple_of) + " numbers, found " +
-                 std::to_string(values.size()));
-        }
-        return values;
-    }
-    Vec3 vec3_or(const char* key, Vec3 fallback) const {
-        if (!has(key)) return fallback;
-        const auto v = (*this)[key].as<std::array<float, 3>>();
-        return {v[0], v[1], v[2]};
-    }
-    // {"type": "rgb", "value": [r, g, b]}; the type may be left out.
-    Rgb rgb() const {
-        if (value_or<std::string>("type", "rgb") != "rgb") {
-            fail("colours of type '" + (*this)["type"].as<std::string>() +
-                 "' are not supported; known: rgb");
-        }
-        const auto v = (*this)["value"].as<std::array<float, 3>>();
-        for (const float c : v) {
-            if (!(std::isfinite(c) && c >= 0)) fail("a colour must be finite and not negative");
-        }
-        return {v[0], v[1], v[2]};
-    }
-
- private:
-    const json* value_;
-    std::string file_;
-    std::string place_;
-};
-
-json parse(const fs::path& file) {
-    try {
-        return json::parse(read_file(file), nullptr, true, /*ignore_comments=*/true);
-    } catch (const json::parse_error& e) {
-        // nlohmann's message names line and column after its own error number.
-        const std::string what = e.what();
-        throw Error(Errc::InvalidArgument,
-                    "scene '" + file.string() + "': " + what.substr(what.find("] ") + 2));
-    }
+    return background["filename"].string();
 }
 
 // Row-vector matrices: the basis vectors are the rows, the translation is entries 12 to 14.
-Transform transform_from_matrix(const Node& node) {
-    const auto m = node.floats(1);
+Transform transform_from_matrix(const JsonNode& node) {
+    const auto m = node.numbers(1);
+    // Without a translation row, and with one.
     if (m.size() != 12 && m.size() != 16) node.fail("expected 12 or 16 numbers");
     Transform transform;
     for (std::size_t row = 0; row < 3; ++row) {
         for (std::size_t column = 0; column < 4; ++column) {
-            // A 12-entry matrix has no translation row.
             const std::size_t entry = 4 * column + row;
             transform.rows[row][column] = entry < m.size() ? m[entry] : 0;
         }
     }
+    const bool is_affine = m[3] == 0 && m[7] == 0 && m[11] == 0 && (m.size() == 12 || m[15] == 1);
+    if (!is_affine) node.fail("is not affine: the fourth column is not 0 0 0 1");
     return transform;
 }
 
 // In column vectors T Ry Rx Rz S, angles in degrees.
-Transform transform_from_parts(const Node& node) {
+Transform transform_from_parts(const JsonNode& node) {
     const Vec3 position = node.vec3_or("position", {});
     const Vec3 degrees = node.vec3_or("rotation", {});
     const Vec3 scale = node.vec3_or("scale", {1, 1, 1});
@@ -144,165 +75,253 @@ Transform transform_from_parts(const Node& node) {
     return t;
 }
 
-PerspectiveCamera read_camera(const Node& root) {
-    std::map<std::string, Transform> transforms;
-    for (const Node& node : root.list("transforms")) {
-        transforms[node["name"].as<std::string>()] =
-            node.has("matrix") ? transform_from_matrix(node["matrix"]) : transform_from_parts(node);
-    }
-    const std::vector<Node> cameras = root.list("cameras");
-    if (cameras.empty()) root.fail("the scene has no camera");
-    const Node& camera = cameras.back();
-    if (const auto type = camera["type"].as<std::string>(); type != "perspective") {
-        camera["type"].fail("cameras of type '" + type + "' are not supported; known: perspective");
-    }
-    const auto name = camera["transform"].as<std::string>();
-    const auto transform = transforms.find(name);
-    if (transform == transforms.end()) {
-        camera["transform"].fail("unknown transform '" + name + "'");
-    }
-    const float fov = camera.number_or("fov", 0);
-    if (!(fov > 0 && fov < 180)) camera["fov"].fail("is not between 0 and 180 degrees");
-    return {.to_world = transform->second, .vertical_fov_degrees = fov};
+Transform read_transform(const JsonNode& node) {
+    const Transform transform =
+        node.has("matrix") ? transform_from_matrix(node["matrix"]) : transform_from_parts(node);
+    const auto column = [&transform](std::size_t i) {
+        return Vec3{transform.rows[0][i], transform.rows[1][i], transform.rows[2][i]};
+    };
+    const float volume = dot(cross(column(0), column(1)), column(2));
+    if (!(std::isfinite(volume) && volume != 0)) node.fail("the transform cannot be inverted");
+    return transform;
 }
 
-// specularTintStrength, diffuseTransmittance and thin, which exporters write, are not read by the
-// renderer that the format belongs to, and so not here either.
-Material read_material(const Node& node) {
-    const Rgb base_color = node.has("baseColor") ? node["baseColor"].rgb() : kWhite;
-    if (node.value_or<std::string>("type", "generic") == "diffuse") {
-        return DiffuseMaterial{.reflectance = base_color};
+PerspectiveCamera read_camera(const JsonNode& root) {
+    const std::vector<JsonNode> cameras = root.list("cameras");
+    if (cameras.empty()) root.fail("the scene has no camera");
+    const JsonNode& camera = cameras.back();
+    if (const auto type = camera["type"].string(); type != "perspective") {
+        camera["type"].fail("cameras of type '" + type + "' are not supported; known: perspective");
     }
-    if (node.number_or("specularTransmittance", 0) != 0) {
-        node["specularTransmittance"].fail("transmission is not supported");
+    const auto name = camera["transform"].string();
+    std::optional<Transform> to_world;
+    for (const JsonNode& node : root.list("transforms")) {
+        if (node["name"].string() == name) to_world = read_transform(node);
     }
-    if (node.has("roughness") && node["roughness"].is_string()) {
-        node["roughness"].fail("textures are not supported");
-    }
-    const float ior = node.number_or("IOR", 1.01F);
-    if (!(ior >= 1)) node["IOR"].fail("is below 1");
-    return GenericMaterial({.base_color = base_color,
-                            .roughness = node.fraction_or("roughness", 0.5F),
-                            .anisotropic = node.fraction_or("anisotropic", 0),
-                            .ior = ior,
-                            .metallic = node.fraction_or("metallic", 0),
-                            .specular_tint = node.fraction_or("specularTint", 0)});
+    if (!to_world) camera["transform"].fail("unknown transform '" + name + "'");
+    const float fov = camera["fov"].number();
+    if (!(fov > 0 && fov < 180)) camera["fov"].fail("is not between 0 and 180 degrees");
+    return {.to_world = *to_world, .fov_degrees = fov};
 }
 
 std::vector<Vec3> to_vec3(const std::vector<float>& flat) {
     std::vector<Vec3> result;
+    result.reserve(flat.size() / 3);
     for (std::size_t i = 0; i < flat.size(); i += 3) {
         result.push_back({flat[i], flat[i + 1], flat[i + 2]});
     }
     return result;
 }
 
-Mesh read_inline_mesh(const Node& node) {
+Mesh read_inline_mesh(const JsonNode& node) {
     Mesh mesh;
-    mesh.positions = to_vec3(node["vertices"].floats(3));
-    if (node.has("normals")) mesh.normals = to_vec3(node["normals"].floats(3));
+    mesh.positions = to_vec3(node["vertices"].numbers(3));
+    if (node.has("normals")) mesh.normals = to_vec3(node["normals"].numbers(3));
     if (node.has("uv")) {
-        const auto flat = node["uv"].floats(2);
+        const auto flat = node["uv"].numbers(2);
         for (std::size_t i = 0; i < flat.size(); i += 2) mesh.uvs.push_back({flat[i], flat[i + 1]});
-    }
-    const auto indices = node["indices"].as<std::vector<std::int64_t>>();
-    if (indices.size() % 3 != 0) node["indices"].fail("expected three indices a triangle");
-    const auto n = static_cast<std::int64_t>(mesh.positions.size());
-    for (std::size_t i = 0; i < indices.size(); i += 3) {
-        TriangleIndices triangle{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (indices[i + k] < 0 || indices[i + k] >= n) {
-                node["indices"].fail("index " + std::to_string(indices[i + k]) + " names none of " +
-                                     std::to_string(n) + " vertices");
-            }
-            triangle[k] = static_cast<std::uint32_t>(indices[i + k]);
-        }
-        mesh.triangles.push_back(triangle);
     }
     for (const std::size_t size : {mesh.normals.size(), mesh.uvs.size()}) {
         if (size != 0 && size != mesh.positions.size()) {
             node.fail("normals and uv must be one a vertex");
         }
     }
+    const auto indices = node["indices"].indices(mesh.positions.size());
+    if (indices.size() % 3 != 0) node["indices"].fail("expected three indices a triangle");
+    for (std::size_t i = 0; i < indices.size(); i += 3) {
+        mesh.triangles.push_back({indices[i], indices[i + 1], indices[i + 2]});
+    }
     return mesh;
+}
+
+// Refuses numbers that nothing can be computed with, and gives normals unit length. A normal
+// without length stays 0: the face's own stands in for it.
+void check_and_normalize(const JsonNode& object, Mesh& mesh) {
+    const auto is_finite = [](Vec3 v) {
+        return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    };
+    if (!std::all_of(mesh.positions.begin(), mesh.positions.end(), is_finite)) {
+        object.fail("a vertex is not finite");
+    }
+    if (!std::all_of(mesh.normals.begin(), mesh.normals.end(), is_finite)) {
+        object.fail("a normal is not finite");
+    }
+    for (Vec3& n : mesh.normals) {
+        const float size = length(n);
+        n = size > 0 && std::isfinite(size) ? (1 / size) * n : Vec3{};
+    }
 }
 
 class Importer {
  public:
     explicit Importer(const fs::path& file)
-        : file_(file), json_(parse(file)), root_(&json_, file.string(), "") {}
+        : file_(file), json_(parse_json_file(file)), root_(json_, file) {}
 
     SceneDescription read() {
         scene_.camera = read_camera(root_);
-        for (const Node& node : root_.list("materials")) {
-            materials_.insert_or_assign(node["name"].as<std::string>(), node);
+        if (root_.has("background")) read_background(root_["background"]);
+        for (const JsonNode& node : root_.list("materials")) {
+            const auto name = node["name"].string();
+            if (!materials_.try_emplace(name, node).second) {
+                node.fail("the name '" + name + "' is taken");
+            }
         }
-        if (root_.has("background")) root_["background"].fail("backgrounds are not supported");
-        for (const Node& object : root_.list("objects")) read_object(object);
+        for (const JsonNode& object : root_.list("objects")) read_object(object);
+        for (const auto& [key, materials] : ignored_) {
+            scene_.notes.push_back("'" + key + "' is ignored, as SeeSharp does:" + materials);
+        }
         return std::move(scene_);
     }
 
  private:
-    void read_object(const Node& object) {
-        const auto type = object["type"].as<std::string>();
+    // Longitude in the file is as in EnvironmentDescription's own frame.
+    void read_background(const JsonNode& node) {
+        Image radiance = read_radiance_map(file_.parent_path() / background_file(node));
+        scene_.environment = {.radiance = std::make_shared<const Image>(std::move(radiance)),
+                              .filter = EnvironmentDescription::Filter::Nearest};
+    }
+
+    // One texture and one image a file.
+    std::int32_t texture(const std::string& name) {
+        const auto [known, is_new] =
+            textures_.try_emplace(name, static_cast<std::int32_t>(scene_.textures.size()));
+        if (is_new) {
+            scene_.textures.emplace_back(
+                BitmapTexture{.image = std::make_shared<const TextureImage>(TextureImage::read(
+                                  file_.parent_path() / name, TextureImage::Encoding::Srgb))});
+        }
+        return known->second;
+    }
+
+    Layer read_layer(const std::string& name, const JsonNode& node) {
+        const JsonNode color = node["baseColor"];
+        const std::optional<std::string> image = image_of(color);
+        const Rgb base_color = image ? kWhite : read_rgb(color);
+        if (max_channel(base_color) > 1) color.fail("reflects more light than it receives");
+        const std::int32_t color_texture = image ? texture(*image) : kNoTexture;
+        if (node.string_or("type", "generic") == "diffuse") {
+            if (node.boolean_or("thin", false)) {
+                node["thin"].fail("diffuse transmission is not supported");
+            }
+            return {.material = DiffuseMaterial{.reflectance = base_color},
+                    .color_texture = color_texture};
+        }
+        if (const auto type = node.string_or("type", "generic"); type != "generic") {
+            scene_.notes.push_back("material '" + name + "' of type '" + type +
+                                   "' is read as generic, as SeeSharp does");
+        }
+        if (node.boolean_or("thin", false)) ignore("thin", name);
+        if (node.number_or("diffuseTransmittance", 0) != 0) ignore("diffuseTransmittance", name);
+        if (node.number_or("specularTintStrength", 0) != 0) ignore("specularTintStrength", name);
+        const bool is_textured = node.has("roughness") && node["roughness"].is_string();
+        const float ior = node.number_or("IOR", 1.01F);
+        if (!(ior >= 1)) node["IOR"].fail("is below 1");
+        return {
+            .material = GenericMaterial(
+                {.base_color = base_color,
+                 .roughness = is_textured ? 0.5F : node.fraction_or("roughness", 0.5F),
+                 .anisotropic = node.fraction_or("anisotropic", 0),
+                 .ior = ior,
+                 .metallic = node.fraction_or("metallic", 0),
+                 .specular_tint = node.fraction_or("specularTint", 0),
+                 .specular_transmittance = node.fraction_or("specularTransmittance", 0)}),
+            .color_texture = color_texture,
+            .roughness_texture = is_textured ? texture(node["roughness"].string()) : kNoTexture};
+    }
+
+    void ignore(const std::string& key, const std::string& material) {
+        ignored_[key] += " '" + material + "'";
+    }
+
+    void read_object(const JsonNode& object) {
+        const auto type = object["type"].string();
         if (type == "obj") {
             for (ObjPart& part : read_obj(file_of(object))) {
                 add(object, part.material, std::move(part.mesh));
             }
         } else if (type == "ply") {
-            add(object, object["material"].as<std::string>(), read_ply(file_of(object)));
+            add(object, object["material"].string(), read_ply(file_of(object)));
         } else if (type == "trimesh") {
-            add(object, object["material"].as<std::string>(), read_inline_mesh(object));
+            add(object, object["material"].string(), read_inline_mesh(object));
         } else {
             object["type"].fail("objects of type '" + type +
                                 "' are not supported; known: obj ply trimesh");
         }
     }
 
-    fs::path file_of(const Node& object) const {
-        return file_.parent_path() / object["relativePath"].as<std::string>();
+    fs::path file_of(const JsonNode& object) const {
+        return file_.parent_path() / object["relativePath"].string();
     }
 
-    // Gives the mesh its material and emission, checks its numbers, normalises its normals.
-    void add(const Node& object, const std::string& material, Mesh mesh) {
+    // Gives the mesh its material and emission and makes its numbers fit for use.
+    void add(const JsonNode& object, const std::string& material, Mesh mesh) {
         const auto found = materials_.find(material);
         if (found == materials_.end()) {
             std::string known;
             for (const auto& [name, node] : materials_) known += " '" + name + "'";
             object.fail("unknown material '" + material + "'; known:" + known);
         }
-        mesh.name = object.value_or<std::string>("name", "");
+        mesh.name = object.string_or("name", "");
         mesh.material = material_index(found->first, found->second);
-        for (const Node& emitter : {found->second, object}) {
-            if (emitter.has("emission")) mesh.emission = emitter["emission"].rgb();
+        for (const JsonNode& emitter : {found->second, object}) {
+            if (emitter.has("emission")) mesh.emission = read_emission(emitter);
         }
-        for (const Vec3 p : mesh.positions) {
-            if (!std::isfinite(p.x + p.y + p.z)) object.fail("a vertex is not finite");
-        }
-        for (Vec3& n : mesh.normals) {
-            const float size = length(n);
-            n = std::isfinite(size) && size > 0 ? (1 / size) * n : Vec3{};
-        }
+        check_and_normalize(object, mesh);
+        fit_uvs(object, mesh);
         scene_.meshes.push_back(std::move(mesh));
     }
 
+    // Radiance of a material or an object.
+    static Rgb read_emission(const JsonNode& emitter) {
+        const Rgb radiance = read_rgb(emitter["emission"]);
+        if (!(radiance == Rgb{}) && emitter.boolean_or("emissionIsGlossy", false)) {
+            emitter["emissionIsGlossy"].fail("glossy emission is not supported");
+        }
+        if (const auto unit = emitter["emission"].string_or("unit", "radiance");
+            unit != "radiance") {
+            emitter["emission"]["unit"].fail("unknown unit '" + unit + "'; known: radiance");
+        }
+        return radiance;
+    }
+
+    // Textures need finite coordinates; without a texture nothing reads them.
+    void fit_uvs(const JsonNode& object, Mesh& mesh) {
+        const SurfaceMaterial& material = scene_.materials[mesh.material];
+        const Layer& layer = material.front.layer;
+        if (layer.color_texture == kNoTexture && layer.roughness_texture == kNoTexture) {
+            mesh.uvs.clear();
+            return;
+        }
+        if (mesh.uvs.empty()) {
+            mesh.uvs.resize(mesh.positions.size());
+            scene_.notes.push_back("object '" + mesh.name +
+                                   "' has no texture coordinates: all of '" + material.name +
+                                   "' is looked up at 0 0, as SeeSharp does");
+        }
+        for (const Vec2 uv : mesh.uvs) {
+            if (!(std::isfinite(uv.x) && std::isfinite(uv.y))) {
+                object.fail("a texture coordinate under material '" + material.name +
+                            "' is not finite");
+            }
+        }
+    }
+
     // Materials are read when a mesh uses them: an unused one that we cannot model is no error.
-    std::size_t material_index(const std::string& name, const Node& node) {
+    std::size_t material_index(const std::string& name, const JsonNode& node) {
         const auto [known, is_new] = indices_.try_emplace(name, scene_.materials.size());
         if (is_new) {
-            if (node.value_or<bool>("emissionIsGlossy", false)) {
-                node["emissionIsGlossy"].fail("glossy emission is not supported");
-            }
-            scene_.materials.push_back(read_material(node));
+            scene_.materials.push_back({.name = name, .front = {.layer = read_layer(name, node)}});
         }
         return known->second;
     }
 
     fs::path file_;
-    json json_;
-    Node root_;
-    std::map<std::string, Node> materials_;
-    std::map<std::string, std::size_t> indices_;
+    nlohmann::json json_;
+    JsonNode root_;
+    std::map<std::string, JsonNode> materials_;
+    std::map<std::string, std::size_t> indices_;    // into scene_.materials
+    std::map<std::string, std::int32_t> textures_;  // by file, into scene_.textures
+    std::map<std::string, std::string> ignored_;    // keys, and the materials that have them
     SceneDescription scene_;
 };
 
@@ -311,11 +330,20 @@ class Importer {
 SceneDescription import_seesharp(const fs::path& file) { return Importer(file).read(); }
 
 std::vector<std::string> seesharp_references(const fs::path& file) {
-    const json scene = parse(file);
+    const nlohmann::json json = parse_json_file(file);
+    const JsonNode root(json, file);
     std::vector<std::string> names;
-    const Node root(&scene, file.string(), "");
-    for (const Node& object : root.list("objects")) {
-        if (object.has("relativePath")) names.push_back(object["relativePath"].as<std::string>());
+    if (root.has("background")) names.push_back(background_file(root["background"]));
+    for (const JsonNode& material : root.list("materials")) {
+        if (material.has("baseColor")) {
+            if (const auto image = image_of(material["baseColor"])) names.push_back(*image);
+        }
+        if (material.has("roughness") && material["roughness"].is_string()) {
+            names.push_back(material["roughness"].string());
+        }
+    }
+    for (const JsonNode& object : root.list("objects")) {
+        if (object.has("relativePath")) names.push_back(object["relativePath"].string());
     }
     return names;
 }

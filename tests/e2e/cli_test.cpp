@@ -70,6 +70,27 @@ class CliTest : public testing::Test {
         return read_exr(file("image.exr"));
     }
 
+    // The Cornell box, for a test to change.
+    static nlohmann::json cornell_box() {
+        return nlohmann::json::parse(std::ifstream(MISBENCH_SCENES "/CornellBox/CornellBox.json"));
+    }
+    static std::string write_scene(const std::string& name, const nlohmann::json& scene) {
+        fs::create_directories(file("changed"));
+        std::ofstream(file("changed/" + name + ".json")) << scene.dump();
+        return file("changed/" + name + ".json");
+    }
+    // The kinds of the warnings of `scene check`.
+    static std::vector<std::string> warnings_of(const std::string& scene) {
+        const Outcome outcome = misbench({"scene", "check", scene, "--json", "--threads", "2"});
+        EXPECT_EQ(outcome.err, "");
+        std::vector<std::string> kinds;
+        const auto json = nlohmann::json::parse(outcome.out);
+        for (const auto& warning : json["warnings"]) kinds.push_back(warning["kind"]);
+        EXPECT_EQ(outcome.exit_code, kinds.empty() ? 0 : 1);
+        EXPECT_GE(json["render"]["passes"], 1);
+        return kinds;
+    }
+
     static inline fs::path folder_;
     static inline Outcome first_run_;
 };
@@ -81,7 +102,7 @@ TEST_F(CliTest, VersionAndHelpAreResults) {
     EXPECT_EQ(misbench({"--version"}).exit_code, 0);
     EXPECT_THAT(misbench({"--help"}).out, HasSubstr("130 interrupted"));
     for (const char* verb :
-         {"list", "render", "plan", "run", "table", "report", "reindex", "status"}) {
+         {"list", "render", "scene", "plan", "run", "table", "report", "reindex", "status"}) {
         const Outcome help = misbench({verb, "--help"});
         EXPECT_EQ(help.exit_code, 0) << verb;
         EXPECT_THAT(help.out, HasSubstr("Usage")) << verb;
@@ -91,6 +112,8 @@ TEST_F(CliTest, VersionAndHelpAreResults) {
 TEST_F(CliTest, WrongUsageIsOneLineAndExitCodeTwo) {
     expect_error(misbench({}), 2, "subcommand");
     expect_error(misbench({"tabel"}), 2, "unknown verb 'tabel' (did you mean 'table'?); known: ");
+    expect_error(misbench({"scene", "chek"}), 2, "unknown verb 'chek' (did you mean 'check'?)");
+    expect_error(misbench({"scene", "check"}), 2, "scene is required");
     expect_error(misbench({"list", "shapes"}), 2, "shapes");
     expect_error(misbench({"table"}), 2, "store");
     expect_error(misbench({"table", file("store"), "--format", "pdf"}), 2, "pdf");
@@ -120,7 +143,7 @@ TEST_F(CliTest, ListShowsWhatAnExperimentCanName) {
 
 TEST_F(CliTest, ScenesComeFromTheFolderOfTheOptionOrTheEnvironment) {
     fs::create_directories(file("scenes/Mine"));
-    std::ofstream(file("scenes/Mine/Mine.json")) << "{}";
+    std::ofstream(file("scenes/Mine/Mine.json")) << R"({"cameras": [], "objects": []})";
     EXPECT_THAT(misbench({"list", "scenes", "--scenes", file("scenes")}).out, StartsWith("Mine "));
     EXPECT_THAT(
         misbench({"list", "scenes"}, {.environment = {{"MISBENCH_SCENES", file("scenes")}}}).out,
@@ -128,6 +151,74 @@ TEST_F(CliTest, ScenesComeFromTheFolderOfTheOptionOrTheEnvironment) {
     expect_error(misbench({"list", "scenes", "--scenes", file("nowhere")}), 2, "not a folder");
     expect_error(misbench({"plan", file("tiny.yaml"), "--scenes", file("scenes")}), 2,
                  "tiny.yaml:3:10: unknown scene 'CornellBox'; known: Mine");
+}
+
+// --- scene ---------------------------------------------------------------------------------------
+
+TEST_F(CliTest, SceneInfoShowsWhatASceneRequires) {
+    const Outcome text = misbench({"scene", "info", "VeachMIS"});
+    EXPECT_EQ(text.exit_code, 0) << text.err;
+    EXPECT_THAT(text.out, AllOf(HasSubstr("\ntriangles      1938\n"), HasSubstr("triangle 1920"),
+                                HasSubstr("generic 9"), HasSubstr("22.9° (vertical), pinhole"),
+                                HasSubstr("method path    estimates all light\n")));
+    const auto json = nlohmann::json::parse(misbench({"scene", "info", "VeachMIS", "--json"}).out);
+    EXPECT_EQ(json["triangles"], 1938);
+    EXPECT_EQ(json["lights"]["types"]["triangle"]["n"], 1920);
+    EXPECT_EQ(json["materials"]["types"]["generic"]["front"], 9);
+    EXPECT_EQ(json["plain_loop"], true);
+    EXPECT_EQ(json["limits"]["path"], "");
+}
+
+TEST_F(CliTest, ARefusedSceneIsNamedAndEndsWithExitCodeTwo) {
+    nlohmann::json box = cornell_box();
+    write_scene("Good", box);
+    box["objects"][1]["type"] = "hair";
+    const std::string refused = write_scene("Refused", box);
+    expect_error(misbench({"scene", "info", refused}), 2, "Refused.json': objects[1].type: ");
+    expect_error(misbench({"scene", "check", refused}), 2, "Refused.json': objects[1].type: ");
+
+    const Outcome all = misbench({"scene", "info", "--scenes", file("changed")});
+    EXPECT_EQ(all.exit_code, 2);
+    EXPECT_THAT(all.out, AllOf(HasSubstr("\nGood   36 "), HasSubstr("\nRefused  refused: scene '"),
+                               HasSubstr("objects[1].type: ")));
+    const auto json = nlohmann::json::parse(
+        misbench({"scene", "info", "--scenes", file("changed"), "--json"}).out);
+    EXPECT_EQ(json[0]["triangles"], 36);
+    EXPECT_THAT(json[1]["refused"].get<std::string>(), HasSubstr("objects[1].type: "));
+    fs::remove_all(file("changed"));
+}
+
+TEST_F(CliTest, SceneCheckFindsNothingInACleanScene) {
+    const Outcome outcome = misbench({"scene", "check", "CornellBox"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out,
+                AllOf(HasSubstr("rendered 128x96 by method path: "), HasSubstr("no warnings\n")));
+}
+
+TEST_F(CliTest, SceneCheckNamesTheMeshThatIsWrong) {
+    nlohmann::json box = cornell_box();
+    // The lamp's winding alone: its normals stay.
+    box["objects"][0]["indices"] = {0, 2, 1, 0, 3, 2};
+    const Outcome outcome = misbench({"scene", "check", write_scene("Wound", box)});
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_THAT(
+        outcome.out,
+        HasSubstr("\nwarning opposed_emitter_normals: mesh 0 'mesh0' (material 'Light'): "));
+}
+
+TEST_F(CliTest, SceneCheckFindsImagesThatStayBlackAndSamplesThatAreNotFinite) {
+    nlohmann::json away = cornell_box();
+    away["transforms"][0]["rotation"] = {0, 180, 0};
+    EXPECT_THAT(warnings_of(write_scene("Away", away)), testing::ElementsAre("black_image"));
+    nlohmann::json dark = cornell_box();
+    dark["objects"][0].erase("emission");
+    EXPECT_THAT(warnings_of(write_scene("Dark", dark)), testing::ElementsAre("no_light"));
+    nlohmann::json bright = cornell_box();
+    // The light of two edges adds up to more than a float holds.
+    const nlohmann::json emission = {{"type", "rgb"}, {"value", {3e38, 3e38, 3e38}}};
+    for (auto& material : bright["materials"]) material["baseColor"]["value"] = {1, 1, 1};
+    for (auto& object : bright["objects"]) object["emission"] = emission;
+    EXPECT_THAT(warnings_of(write_scene("Bright", bright)), testing::ElementsAre("bad_samples"));
 }
 
 // --- render --------------------------------------------------------------------------------------

@@ -139,7 +139,7 @@ TEST(NextEvent, HasTheDensityThatItSays) {
             Rng rng(21, i, 0);
             const auto sample = next_event.sample(*point, rng);
             ASSERT_TRUE(sample);
-            ASSERT_EQ(sample->pdf, next_event.pdf(*point, sample->light));
+            ASSERT_EQ(sample->pdf, next_event.pdf(point->position, sample->point));
             inverses.push_back(1 / sample->pdf);
         }
         EXPECT_GT(test::p_value_of_mean(inverses, expected), kAlpha / 2) << selection.name;
@@ -149,8 +149,8 @@ TEST(NextEvent, HasTheDensityThatItSays) {
 // Glossy metal has no analytic image, but both techniques must see the same one.
 TEST(Techniques, AgreeOnGlossyMetal) {
     SceneDescription description = test::floor_under_lamp({}, {5, 5, 5});
-    description.materials[0] = GenericMaterial(
-        {.base_color = {0.9F, 0.9F, 0.9F}, .roughness = 0.7F, .ior = 1.45F, .metallic = 0.5F});
+    description.materials[0] = test::surface(GenericMaterial(
+        {.base_color = {0.9F, 0.9F, 0.9F}, .roughness = 0.7F, .ior = 1.45F, .metallic = 0.5F}));
     const Scene scene(std::move(description), 1);
     const std::vector<double> by_lights = means(scene, {"nee", "path", {{"bsdf", false}}}, 16, 64);
     const std::vector<double> by_bsdf = means(scene, {"bsdf", "path", {{"nee", false}}}, 16, 64);

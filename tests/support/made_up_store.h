@@ -1,44 +1,20 @@
 // Plans, runs and images without a renderer, for tests of what comes after it.
 #pragma once
 
-#include <unistd.h>
-
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "renderer/base/files.h"
 #include "renderer/base/sha256.h"
 #include "results/store.h"
+#include "tests/support/temporary_folder.h"
 
 namespace misbench {
-
-// A folder of its own, gone with this object.
-class TemporaryFolder {
- public:
-    TemporaryFolder() {
-        std::string name =
-            (std::filesystem::temp_directory_path() / "misbench_test_XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp " + name);
-        path_ = name;
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    const std::filesystem::path& path() const { return path_; }
-
- private:
-    std::filesystem::path path_;
-};
 
 inline Task made_up_task(const std::string& method, std::int64_t seed, Budget budget) {
     return {.scene_hash = sha256_hex("a box"),

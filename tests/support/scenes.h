@@ -15,10 +15,15 @@ inline Mesh quad(Vec3 a, Vec3 b, Vec3 c, Vec3 d, std::size_t material, Rgb emiss
     return mesh;
 }
 
+// A surface of one material, on both sides.
+inline SurfaceMaterial surface(const Material& material) {
+    return {.name = "", .front = {.layer = {.material = material}}};
+}
+
 // The box [-1, 1]³ seen from inside: all six faces look inwards, have the material and emit.
 inline SceneDescription furnace(const Material& material, Rgb emission) {
     SceneDescription scene;
-    scene.materials = {material};
+    scene.materials = {surface(material)};
     const auto add = [&](Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
         scene.meshes.push_back(quad(a, b, c, d, 0, emission));
     };
@@ -28,7 +33,7 @@ inline SceneDescription furnace(const Material& material, Rgb emission) {
     add({-1, 1, 1}, {1, 1, 1}, {1, -1, 1}, {-1, -1, 1});      // front, looks to -z
     add({-1, -1, 1}, {-1, -1, -1}, {-1, 1, -1}, {-1, 1, 1});  // left, looks to +x
     add({1, 1, 1}, {1, 1, -1}, {1, -1, -1}, {1, -1, 1});      // right, looks to -x
-    scene.camera.vertical_fov_degrees = 60;
+    scene.camera.fov_degrees = 60;
     return scene;
 }
 
@@ -40,7 +45,7 @@ inline constexpr float kLampHalfDepth = 0.5F;
 // a camera that looks at the point below the lamp's centre through a needle's eye.
 inline SceneDescription floor_under_lamp(Rgb reflectance, Rgb radiance, bool turned = false) {
     SceneDescription scene;
-    scene.materials = {DiffuseMaterial{reflectance}, DiffuseMaterial{}};
+    scene.materials = {surface(DiffuseMaterial{reflectance}), surface(DiffuseMaterial{})};
     scene.meshes.push_back(quad({-50, 0, 50}, {50, 0, 50}, {50, 0, -50}, {-50, 0, -50}, 0));
     const float w = kLampHalfWidth;
     const float d = turned ? -kLampHalfDepth : kLampHalfDepth;
@@ -51,7 +56,7 @@ inline SceneDescription floor_under_lamp(Rgb reflectance, Rgb radiance, bool tur
     const Vec3 up = cross(back, {1, 0, 0});
     scene.camera.to_world.rows = {
         {{1, up.x, back.x, 0}, {0, up.y, back.y, 1}, {0, up.z, back.z, 4}}};
-    scene.camera.vertical_fov_degrees = 0.01F;
+    scene.camera.fov_degrees = 0.01F;
     return scene;
 }
 

@@ -53,6 +53,7 @@ inline double p_value_of_counts(std::span<const double> observed,
     } else if (pooled_observed > 0) {
         return 0;  // counts where none can be
     }
+    if (n_bins == 1) return 1;  // everything is certain to be in one bin
     const boost::math::chi_squared chi2(n_bins - 1);
     return boost::math::cdf(boost::math::complement(chi2, statistic));
 }

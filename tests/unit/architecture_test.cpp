@@ -55,6 +55,8 @@ const std::vector<Owner> kOwners = {
     {"openssl/", {"renderer/base"}},
     {"Random123/", {"renderer/base"}},
     {"sqlite3.h", {"results"}},
+    {"pugixml", {"renderer/scene/mitsuba"}},
+    {"zlib.h", {"renderer/scene"}},
     {"yaml-cpp/", {"experiments/plan"}},
     {"boost/", {"experiments/analysis"}},
     {"CLI/", {"experiments/cli", "coordinator", "worker"}},

@@ -49,8 +49,8 @@ class ScriptedMethod final : public Method {
 
 RenderResult run_script(const Budget& budget, bool may_be_negative = false,
                         std::function<bool()> abandon = {}) {
-    const MethodInfo info =
-        method_info<ScriptedMethod, NoParameters>("script", "", 1, may_be_negative);
+    const MethodInfo info = method_info<ScriptedMethod, NoParameters>(
+        "script", "", 1, may_be_negative, [](const SceneFeatures&) { return std::string(); });
     return render(box(), info,
                   {.method = "script",
                    .parameters = {},
@@ -239,6 +239,22 @@ TEST_P(EveryMethod, RoundTripsItsEffectiveParameters) {
     }
 }
 
+TEST_P(EveryMethod, RendersAnOpenSceneInTheGeneralLoopAsInThePlainOne) {
+    const auto image = [](const SceneFeatures& assumed) {
+        SceneDescription description = test::floor_under_lamp({0.5F, 0.5F, 0.5F}, {1, 1, 1});
+        description.camera.fov_degrees = 60;
+        return render(Scene(std::move(description), 1, assumed), {.method = GetParam(),
+                                                                  .parameters = {},
+                                                                  .width = 16,
+                                                                  .height = 16,
+                                                                  .budget = SampleBudget{4},
+                                                                  .seed = 1,
+                                                                  .threads = 1})
+            .image;
+    };
+    EXPECT_EQ(image({}), image({.quadrics = true}));
+}
+
 TEST_P(EveryMethod, RefusesAParameterItDoesNotKnow) {
     EXPECT_THAT(
         [this] {
@@ -282,6 +298,27 @@ TEST(Path, RefusesParametersThatCannotBe) {
 TEST(Catalogue, NamesWhatItKnows) {
     EXPECT_THAT([] { find_method("paht"); },
                 ThrowsMessage<Error>(HasSubstr("unknown method 'paht'; known: path direct")));
+}
+
+// The loop for plain scenes leaves out what they lack, and nothing else.
+TEST(Specialization, GivesAPlainSceneTheBitsOfTheGeneralLoop) {
+    for (const char* file : {"Box/LightCenter.json", "VeachMIS/VeachMIS.json"}) {
+        const std::string path = std::string(MISBENCH_SCENES) + "/" + file;
+        const LoadedScene plain = load_scene(path, 1);
+        const LoadedScene general = load_scene(path, 1, kAllFeatures);
+        EXPECT_EQ(plain.scene->features(), SceneFeatures{}) << file;
+        for (const MethodInfo& method : methods()) {
+            const RenderRequest request{.method = std::string(method.name),
+                                        .parameters = {},
+                                        .width = 40,
+                                        .height = 30,
+                                        .budget = SampleBudget{4},
+                                        .seed = 3,
+                                        .threads = 1};
+            EXPECT_EQ(render(*plain.scene, request).image, render(*general.scene, request).image)
+                << file << ' ' << method.name;
+        }
+    }
 }
 
 }  // namespace

@@ -258,8 +258,9 @@ TEST_F(ResolveTest, AnOverrideThatIsWrongNamesItself) {
 }
 
 TEST_F(ResolveTest, ASceneThatLacksAFileIsSaidWithThePlaceInTheExperiment) {
-    write("scenes/A/A.json",
-          R"({"objects": [{"name": "m", "type": "ply", "relativePath": "gone.ply"}]})");
+    write(
+        "scenes/A/A.json",
+        R"({"cameras": [], "objects": [{"name": "m", "type": "ply", "relativePath": "gone.ply"}]})");
     EXPECT_THAT(complaint(kExperiment),
                 testing::AllOf(testing::StartsWith("3:5: "), HasSubstr("gone.ply")));
 }
