@@ -32,3 +32,21 @@ target_compile_definitions(render_bench PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_
 
 misbench_bench(light_bench misbench_renderer)
 misbench_bench(load_bench misbench_renderer)
+
+# The readers of foreign files under any input: in small for every build, and as libFuzzer's
+# binaries for tests/fuzz/run.sh.
+add_library(misbench_fuzz_targets STATIC fuzz/targets.cpp)
+target_link_libraries(misbench_fuzz_targets PUBLIC misbench_renderer PRIVATE ZLIB::ZLIB)
+misbench_test(fuzz_smoke_test unit misbench_fuzz_targets)
+target_compile_definitions(fuzz_smoke_test PRIVATE
+  MISBENCH_FUZZ_CORPUS="${CMAKE_CURRENT_SOURCE_DIR}/fuzz/corpus")
+if(MISBENCH_FUZZ)
+  foreach(target json xml ply obj serialized exr)
+    add_executable(fuzz_${target} fuzz/libfuzzer.cpp)
+    target_link_libraries(fuzz_${target} PRIVATE misbench_fuzz_targets)
+    target_link_options(fuzz_${target} PRIVATE -fsanitize=fuzzer)
+    target_compile_definitions(fuzz_${target} PRIVATE MISBENCH_FUZZ_TARGET="${target}")
+    set_target_properties(fuzz_${target} PROPERTIES
+      RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  endforeach()
+endif()
