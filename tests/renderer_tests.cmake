@@ -1,5 +1,6 @@
 misbench_test(heuristics_test unit misbench_renderer)
 misbench_test(light_sampler_test unit misbench_renderer)
+misbench_test(photon_map_test unit misbench_renderer)
 misbench_test(scene_test unit misbench_renderer)
 misbench_test(load_test unit misbench_renderer)
 misbench_test(mesh_files_test unit misbench_renderer)
@@ -21,6 +22,7 @@ misbench_test(extremes_test stat misbench_extremes Boost::boost)
 misbench_test(extreme_optics_test stat misbench_extremes Boost::boost)
 misbench_test(self_intersection_test stat misbench_extremes)
 misbench_test(camera_test stat misbench_renderer Boost::boost)
+
 foreach(test load_test inspect_test render_loop_test)
   target_compile_definitions(${test} PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
 endforeach()
@@ -32,6 +34,10 @@ target_compile_definitions(render_bench PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_
 
 misbench_bench(light_bench misbench_renderer)
 misbench_bench(load_bench misbench_renderer)
+
+# Embree is here for its point queries, to compare with.
+misbench_bench(photon_bench misbench_renderer embree)
+target_compile_definitions(photon_bench PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
 
 # The readers of foreign files under any input: in small for every build, and as libFuzzer's
 # binaries for tests/fuzz/run.sh.
