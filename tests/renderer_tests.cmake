@@ -1,4 +1,6 @@
 misbench_test(heuristics_test unit misbench_renderer)
+misbench_test(path_densities_test unit misbench_renderer)
+misbench_test(path_weights_test unit misbench_renderer)
 misbench_test(light_sampler_test unit misbench_renderer)
 misbench_test(photon_map_test unit misbench_renderer)
 misbench_test(scene_test unit misbench_renderer)
