@@ -1,6 +1,5 @@
 #include "renderer/methods/thread_pool.h"
 
-#include <pthread.h>
 #include <time.h>
 
 #include <exception>
@@ -10,7 +9,20 @@
 
 namespace misbench {
 
-ThreadPool::ThreadPool(int n_threads) {
+namespace {
+
+double cpu_seconds_of(pthread_t thread) {
+    clockid_t clock{};
+    timespec time{};
+    MISBENCH_CHECK(pthread_getcpuclockid(thread, &clock) == 0);
+    MISBENCH_CHECK(clock_gettime(clock, &time) == 0);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace
+
+ThreadPool::ThreadPool(int n_threads)
+    : owner_(pthread_self()), owner_cpu_seconds_(cpu_seconds_of(owner_)) {
     MISBENCH_CHECK(n_threads > 0);
     for (int i = 0; i < n_threads; ++i) threads_.emplace_back([this] { run(); });
 }
@@ -70,15 +82,10 @@ bool ThreadPool::for_each(std::size_t n, const std::function<bool()>& stop,
 }
 
 double ThreadPool::cpu_seconds() const {
-    double total = 0;
+    double total = cpu_seconds_of(owner_) - owner_cpu_seconds_;
+    // The threads live as long as the pool, so their clocks are there.
     for (const std::jthread& thread : threads_) {
-        clockid_t clock{};
-        timespec time{};
-        // The threads live as long as the pool, so their clocks are there.
-        const auto handle = const_cast<std::jthread&>(thread).native_handle();
-        MISBENCH_CHECK(pthread_getcpuclockid(handle, &clock) == 0);
-        MISBENCH_CHECK(clock_gettime(clock, &time) == 0);
-        total += static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+        total += cpu_seconds_of(const_cast<std::jthread&>(thread).native_handle());
     }
     return total;
 }

@@ -2,6 +2,8 @@
 // means two. They live as long as the render.
 #pragma once
 
+#include <pthread.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
@@ -27,7 +29,8 @@ class ThreadPool {
     bool for_each(std::size_t n, const std::function<bool()>& stop,
                   const std::function<void(std::size_t)>& work);
 
-    // CPU seconds used by the pool's threads since it was made.
+    // CPU seconds used since the pool was made by its threads and by the one that made it, which
+    // must still run: what that does between two jobs is work too.
     double cpu_seconds() const;
 
  private:
@@ -48,6 +51,8 @@ class ThreadPool {
     std::atomic<std::size_t> next_ = 0;
     std::atomic<bool> stopped_ = false;
 
+    pthread_t owner_;
+    double owner_cpu_seconds_;           // when the pool was made
     std::vector<std::jthread> threads_;  // last: they use all the rest
 };
 
