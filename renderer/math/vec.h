@@ -28,6 +28,10 @@ constexpr float dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; 
 constexpr Vec3 cross(Vec3 a, Vec3 b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+// |a|² of a vector of any finite length.
+constexpr double squared_length(Vec3 a) {
+    return double{a.x} * double{a.x} + double{a.y} * double{a.y} + double{a.z} * double{a.z};
+}
 inline float length(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline Vec3 normalized(Vec3 a) { return (1.0F / length(a)) * a; }
 constexpr Vec3 min(Vec3 a, Vec3 b) {

@@ -58,6 +58,14 @@ class NextEvent {
     double pdf(Vec3 from, const SurfacePoint& light) const {
         return sampler_.probability(light.light, from) * light_pdf(scene_, from, light);
     }
+    // The same in area measure.
+    double pdf_area(Vec3 from, const SurfacePoint& light) const {
+        return sampler_.probability(light.light, from) * light_pdf_area(scene_, from, light);
+    }
+    // Probability of choosing a light.
+    double probability(Vec3 from, std::uint32_t light) const {
+        return sampler_.probability(light, from);
+    }
     // Density of choosing the environment's direction w. REQUIRES: the scene has an environment.
     double environment_pdf(Vec3 from, Vec3 w) const {
         return sampler_.probability(scene_.environment_light(), from) *

@@ -57,6 +57,14 @@ void BasicBsdf<kLayered>::meet(const Scene& scene, const Layer& layer, float wei
     parts_.met[parts_.n++] = {material, weight};
 }
 
+template <bool kLayered>
+Lobes BasicBsdf<kLayered>::lobes_of_parts() const {
+    Lobes all = parts_.opacity < 1 ? kDeltaLobe | kTransmissiveLobe : 0;
+    if (parts_.opacity == 0) return all;
+    for (std::size_t i = 0; i < parts_.n; ++i) all |= misbench::lobes(*parts_.met[i].material);
+    return all;
+}
+
 // f and p of a surface that is met with probability `opacity` and is then one of its parts.
 template <bool kLayered>
 BsdfValue BasicBsdf<kLayered>::evaluate_parts(const Encounter& e, Vec3 wi) const {

@@ -30,6 +30,15 @@ class BasicBsdf {
     BasicBsdf(const BasicBsdf&) = delete;
     BasicBsdf& operator=(const BasicBsdf&) = delete;
 
+    // Of what is met here. Without smooth ones evaluate() is 0 for all directions.
+    Lobes lobes() const {
+        if constexpr (kLayered) {
+            return lobes_of_parts();
+        } else {
+            return misbench::lobes(point_.material->front.layer.material);
+        }
+    }
+
     // Without delta lobes.
     BsdfValue evaluate(Vec3 wi) const {
         const Vec3 local = frame_.to_local(wi);
@@ -75,10 +84,10 @@ class BasicBsdf {
     };
 
     // Interpolated normals must not let light through: what is reflection for them must be
-    // reflection for the face, and transmission transmission.
+    // reflection for the face, and transmission transmission. Nothing goes along the surface.
     bool is_consistent(Vec3 local, Vec3 wi) const {
         const float product = dot(point_.normal, wi) * cos_geometric_;
-        return encounter_.wo.z > 0 && (local.z > 0 ? product > 0 : product < 0);
+        return encounter_.wo.z > 0 && product * local.z > 0;
     }
     // Shading normals make light paths and camera paths disagree; what light carries is f |cos θ_i|
     // times |wo·n_s| |wi·n_g| / (|wo·n_g| |wi·n_s|).                              [Vea97 §5.3]
@@ -103,6 +112,7 @@ class BasicBsdf {
     }
     BsdfValue evaluate_parts(const Encounter& e, Vec3 wi) const;
     std::optional<BsdfSample> sample_parts(BsdfRandom u) const;
+    Lobes lobes_of_parts() const;
     void meet(const Scene& scene);
     void meet(const Scene& scene, const Layer& layer, float weight);
 

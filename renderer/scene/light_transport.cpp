@@ -144,6 +144,16 @@ double light_pdf(const Scene& scene, Vec3 from, const SurfacePoint& on_light) {
     return area_to_solid_angle(1 / double{light.area}, from, on_light);
 }
 
+double light_pdf_area(const Scene& scene, Vec3 from, const SurfacePoint& on_light) {
+    const Light& light = scene.lights()[on_light.light];
+    if (light.shape == Light::Shape::Quadric) {
+        if (const auto pdf = scene.quadrics()[light.index].cone_pdf_solid_angle(from)) {
+            return solid_angle_to_area(*pdf, from, on_light);
+        }
+    }
+    return 1 / double{light.area};
+}
+
 std::optional<LightEmission> sample_emission(const Scene& scene, std::uint32_t index,
                                              Vec2 u_position, LightRandom direction) {
     const Light& light = scene.lights()[index];

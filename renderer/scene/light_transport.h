@@ -61,6 +61,8 @@ bool visible(const Scene& scene, const SurfacePoint& from, const LightEnd& light
 
 // Of sample_light(from) finding a point on a light's surface; solid angle measure.
 double light_pdf(const Scene& scene, Vec3 from, const SurfacePoint& on_light);
+// The same in area measure: finite also where the light is seen edge-on.
+double light_pdf_area(const Scene& scene, Vec3 from, const SurfacePoint& on_light);
 
 // The start of a light's path. Its flux through pdf_position and pdf_direction is
 // emission · |cos| / (pdf_position · pdf_direction), with |cos| at point.normal.

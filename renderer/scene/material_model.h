@@ -66,9 +66,10 @@ struct BsdfRandom {
 
 // The lobes of a material, as a set.
 using Lobes = unsigned;
-inline constexpr Lobes kDiffuseLobe = 1;       // smooth in wi
-inline constexpr Lobes kGlossyLobe = 2;        // a microfacet lobe
-inline constexpr Lobes kDeltaLobe = 4;         // reaches single directions
+inline constexpr Lobes kDiffuseLobe = 1;                           // smooth in wi
+inline constexpr Lobes kGlossyLobe = 2;                            // a microfacet lobe
+inline constexpr Lobes kSmoothLobes = kDiffuseLobe | kGlossyLobe;  // those that have a density
+inline constexpr Lobes kDeltaLobe = 4;                             // reaches single directions
 inline constexpr Lobes kTransmissiveLobe = 8;  // some lobe reaches behind the surface
 
 template <class M>

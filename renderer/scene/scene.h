@@ -171,9 +171,15 @@ class Scene {
 // dω = |cos θ_to| / d² dA. Infinite where the surface is seen edge-on.
 inline double area_to_solid_angle(double pdf_area, Vec3 from, const SurfacePoint& to) {
     const Vec3 edge = to.position - from;
-    const double d2 = double{edge.x} * double{edge.x} + double{edge.y} * double{edge.y} +
-                      double{edge.z} * double{edge.z};
+    const double d2 = squared_length(edge);
     return pdf_area * d2 * std::sqrt(d2) / std::abs(double{dot(to.normal, edge)});
+}
+
+// And back: the density at `to` of a direction from `from`.
+inline double solid_angle_to_area(double pdf_solid_angle, Vec3 from, const SurfacePoint& to) {
+    const Vec3 edge = to.position - from;
+    const double d2 = squared_length(edge);
+    return pdf_solid_angle * std::abs(double{dot(to.normal, edge)}) / (d2 * std::sqrt(d2));
 }
 
 }  // namespace misbench

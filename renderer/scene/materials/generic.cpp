@@ -47,7 +47,8 @@ void GenericMaterial::prepare() {
 }
 
 Lobes GenericMaterial::lobes() const {
-    Lobes lobes = kDiffuseLobe | kGlossyLobe;
+    Lobes lobes = kGlossyLobe;
+    if (diffuse_weight_ > 0) lobes |= kDiffuseLobe;
     if (parameters_.specular_transmittance > 0) lobes |= kTransmissiveLobe;
     if (is_straight_) lobes |= kDeltaLobe;
     return lobes;
