@@ -1,5 +1,6 @@
-// Counter-based random numbers: Philox4x32-10 [SMDS11] keyed by the seed, counted by (pixel, pass,
-// dimension). Any sample of any run can be computed again alone, in any order, on any thread.
+// Counter-based random numbers: Philox4x32-10 [SMDS11] keyed by the seed, counted by (pixel or
+// light path, pass, dimension). Any sample of any run can be computed again alone, in any order, on
+// any thread.
 //
 // [SMDS11]  J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, Parallel random numbers: as easy as
 //           1, 2, 3, 2011.
@@ -12,7 +13,7 @@
 namespace misbench {
 
 // What a sequence is for. Sequences of different streams are independent at equal pixel and pass.
-enum class Stream : std::uint32_t { CameraPath = 0 };
+enum class Stream : std::uint32_t { CameraPath = 0, LightPath = 1, LensOfLightPath = 2 };
 
 class Rng {
  public:

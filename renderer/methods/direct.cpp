@@ -63,8 +63,8 @@ class DirectLight final : public Method {
 
     void pass(PassContext& context) override {
         specialize(context.scene(), [&]<bool kPlain>() {
-            context.for_each_pixel([this](const Ray& ray, Rng& rng, RayTracer& tracer) {
-                return radiance<kPlain>(ray, rng, tracer);
+            context.for_each_pixel([this](const CameraSample& sample, Rng& rng, RayTracer& tracer) {
+                return radiance<kPlain>(sample.ray, rng, tracer);
             });
         });
     }
@@ -140,7 +140,7 @@ std::string limits(const SceneFeatures& scene) {
 
 }  // namespace
 
-const MethodInfo kDirect = method_info<DirectLight, DirectParameters>(
+const MethodInfo kDirect = method_info_of<DirectLight, DirectParameters>(
     "direct", "emission and direct light by light samples and BSDF samples", 2, false, limits);
 
 }  // namespace misbench

@@ -14,6 +14,7 @@ namespace misbench {
 
 class Scene;
 class PassContext;
+class SampleObserver;
 struct SceneFeatures;
 
 struct FrameInfo {
@@ -34,6 +35,9 @@ class Method {
     // Serial, after a completed pass: filter, train, decide. The pass number never goes back, also
     // when the frame is dropped.
     virtual PassOutcome finish_pass() { return PassOutcome::Keep; }
+    // Before start(): every sample is shown to the observer, which outlives the method. False: the
+    // method cannot show its samples.
+    virtual bool attach(SampleObserver& observer);
     // What the method decided or counted, for the record. Adds keys to a JSON object.
     virtual void describe(nlohmann::json& json) const;
 };

@@ -82,11 +82,12 @@ ParameterMap effective_parameters(const ParameterMap& given) {
     return map;
 }
 
-// The catalogue's row of a method M with parameters P.
-template <class M, class P>
+// The catalogue's row of a method that make(parameters) makes of parameters P; a lambda without
+// captures.
+template <class P, class Make>
 constexpr MethodInfo method_info(std::string_view name, std::string_view summary, int version,
-                                 bool may_be_negative,
-                                 std::string (*limits)(const SceneFeatures&)) {
+                                 bool may_be_negative, std::string (*limits)(const SceneFeatures&),
+                                 Make /*make*/) {
     return {.name = name,
             .summary = summary,
             .version = version,
@@ -95,8 +96,17 @@ constexpr MethodInfo method_info(std::string_view name, std::string_view summary
             .parameters = parameter_infos<P>,
             .effective = effective_parameters<P>,
             .make = [](const ParameterMap& given) -> std::unique_ptr<Method> {
-                return std::make_unique<M>(parse_parameters<P>(given));
+                return Make{}(parse_parameters<P>(given));
             }};
+}
+
+// Of a method M that is constructed from its parameters P.
+template <class M, class P>
+constexpr MethodInfo method_info_of(std::string_view name, std::string_view summary, int version,
+                                    bool may_be_negative,
+                                    std::string (*limits)(const SceneFeatures&)) {
+    return method_info<P>(name, summary, version, may_be_negative, limits,
+                          [](const P& parameters) { return std::make_unique<M>(parameters); });
 }
 
 }  // namespace misbench

@@ -17,18 +17,32 @@ bool comes_before(const SamplePlace& a, const SamplePlace& b) {
 
 }  // namespace
 
-void PassContext::run_tiles(const std::function<void(const Tile&, TileResult&)>& work) {
+void PassFilm::clear(std::size_t n_pixels) {
+    pixels.assign(n_pixels, Rgb{});
+    for (std::vector<Splat>& chunk : splats) chunk.clear();
+    n_rays = n_nonfinite = n_negative = 0;
+    first_bad.reset();
+}
+
+std::size_t PassContext::n_tiles() const {
+    return static_cast<std::size_t>((frame_.width + kTileSide - 1) / kTileSide) *
+           static_cast<std::size_t>((frame_.height + kTileSide - 1) / kTileSide);
+}
+
+PassContext::Tile PassContext::tile_at(std::size_t chunk) const {
     const int columns = (frame_.width + kTileSide - 1) / kTileSide;
-    const int rows = (frame_.height + kTileSide - 1) / kTileSide;
-    std::vector<TileResult> results(static_cast<std::size_t>(columns * rows));
-    complete_ = threads_.for_each(results.size(), stop_, [&](std::size_t i) {
-        const int x0 = static_cast<int>(i) % columns * kTileSide;
-        const int y0 = static_cast<int>(i) / columns * kTileSide;
-        work({x0, y0, std::min(x0 + kTileSide, frame_.width),
-              std::min(y0 + kTileSide, frame_.height)},
-             results[i]);
-    });
-    for (const TileResult& result : results) {
+    const int x0 = static_cast<int>(chunk) % columns * kTileSide;
+    const int y0 = static_cast<int>(chunk) / columns * kTileSide;
+    return {x0, y0, std::min(x0 + kTileSide, frame_.width),
+            std::min(y0 + kTileSide, frame_.height)};
+}
+
+void PassContext::run_chunks(std::size_t n,
+                             const std::function<void(std::size_t, ChunkResult&)>& work) {
+    if (!complete_) return;
+    std::vector<ChunkResult> results(n);
+    complete_ = threads_.for_each(n, stop_, [&](std::size_t i) { work(i, results[i]); });
+    for (const ChunkResult& result : results) {
         film_.n_rays += result.n_rays;
         film_.n_nonfinite += result.n_nonfinite;
         film_.n_negative += result.n_negative;
@@ -39,9 +53,24 @@ void PassContext::run_tiles(const std::function<void(const Tile&, TileResult&)>&
     }
 }
 
-void PassContext::put(int x, int y, Rgb value, TileResult& result) {
-    film_.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) +
-                 static_cast<std::size_t>(x)] = value;
+void PassContext::add_splats() {
+    film_.splat_sums.assign(3 * film_.pixels.size(), 0.0);
+    for (const std::vector<Splat>& chunk : film_.splats) {
+        for (const Splat& splat : chunk) {
+            double* sum = &film_.splat_sums[3 * std::size_t{splat.pixel}];
+            sum[0] += double{splat.value.r};
+            sum[1] += double{splat.value.g};
+            sum[2] += double{splat.value.b};
+        }
+    }
+    for (std::size_t i = 0; i < film_.pixels.size(); ++i) {
+        const double* sum = &film_.splat_sums[3 * i];
+        film_.pixels[i] +=
+            {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
+    }
+}
+
+void PassContext::check(int x, int y, Rgb value, ChunkResult& result) const {
     const bool finite = std::isfinite(value.r) && std::isfinite(value.g) && std::isfinite(value.b);
     const bool negative = value.r < 0 || value.g < 0 || value.b < 0;
     if (finite && !negative) [[likely]] {

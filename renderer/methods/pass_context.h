@@ -2,6 +2,8 @@
 // belong to them, rays. No clock.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -35,22 +37,54 @@ class RayTracer {
         ++n_rays_;
         return kPlain ? scene_.visible(from, light.point) : misbench::visible(scene_, from, light);
     }
+    bool visible(const SurfacePoint& from, const SurfacePoint& to) {
+        ++n_rays_;
+        return scene_.visible(from, to);
+    }
+    bool visible(const SurfacePoint& from, Vec3 to) {
+        ++n_rays_;
+        return scene_.visible(from, to);
+    }
 
  private:
     const Scene& scene_;
     std::int64_t n_rays_ = 0;
 };
 
-// The image of one pass, and what happened in it.
+struct Splat {
+    std::uint32_t pixel = 0;
+    Rgb value;
+};
+
+// The image of one pass, and what happened in it. Memory is kept from pass to pass.
 struct PassFilm {
     std::vector<Rgb> pixels;
+    std::vector<std::vector<Splat>> splats;  // by chunk; those behind the last chunk are left over
+    std::vector<double> splat_sums;          // scratch
     std::int64_t n_rays = 0;
     std::int64_t n_nonfinite = 0;
     std::int64_t n_negative = 0;
     std::optional<SamplePlace> first_bad;
+
+    void clear(std::size_t n_pixels);
+};
+
+// One estimate of a pixel's value.
+struct CameraSample {
+    int x = 0;
+    int y = 0;
+    std::uint32_t pixel = 0;  // row by row
+    Ray ray;                  // through a uniform point of the pixel and of the lens
 };
 
 class PassContext {
+    struct ChunkResult {
+        std::int64_t n_rays = 0;
+        std::int64_t n_nonfinite = 0;
+        std::int64_t n_negative = 0;
+        std::optional<SamplePlace> first_bad;
+    };
+
  public:
     PassContext(const Scene& scene, FrameInfo frame, std::int64_t seed, std::int64_t pass,
                 ThreadPool& threads, const std::function<bool()>& stop, PassFilm& film)
@@ -64,19 +98,36 @@ class PassContext {
           film_(film) {}
 
     const Scene& scene() const { return scene_; }
+    const Camera& camera() const { return camera_; }
+    FrameInfo frame() const { return frame_; }
+    std::int64_t seed() const { return seed_; }
+    std::int64_t pass() const { return pass_; }
+    ThreadPool& threads() { return threads_; }
 
-    // Estimates every pixel once: estimate(camera_ray, rng, tracer) -> Rgb for a ray through a
-    // uniform point of the pixel and of the lens. The chunks are tiles of a fixed size, each pixel
-    // is written by its own chunk and its random numbers depend on nothing else, so the result is
-    // the same for every number of threads.
+    // Estimates every pixel once: estimate(camera_sample, rng, tracer) -> Rgb. The chunks are tiles
+    // of a fixed size, each pixel is written by its own chunk and its random numbers depend on
+    // nothing else, so the result is the same for every number of threads.
     template <class Estimate>
     void for_each_pixel(const Estimate& estimate) {
-        run_tiles([&](const Tile& tile, TileResult& result) {
+        for_each_pixel([](std::size_t) { return nullptr; },
+                       [&](std::nullptr_t, const CameraSample& sample, Rng& rng,
+                           RayTracer& tracer) { return estimate(sample, rng, tracer); });
+    }
+    // The same with what a chunk keeps for its pixels: estimate(state, camera_sample, rng, tracer),
+    // state = make_state(chunk).
+    template <class MakeState, class Estimate>
+    void for_each_pixel(const MakeState& make_state, const Estimate& estimate) {
+        run_chunks(n_tiles(), [&](std::size_t chunk, ChunkResult& result) {
+            auto state = make_state(chunk);
+            const Tile tile = tile_at(chunk);
             RayTracer tracer(scene_);
             for (int y = tile.y0; y < tile.y1; ++y) {
                 for (int x = tile.x0; x < tile.x1; ++x) {
-                    Rng rng(seed_, static_cast<std::uint32_t>(y * frame_.width + x),
-                            static_cast<std::uint32_t>(pass_));
+                    CameraSample sample{.x = x,
+                                        .y = y,
+                                        .pixel = static_cast<std::uint32_t>(y * frame_.width + x),
+                                        .ray = {}};
+                    Rng rng(seed_, sample.pixel, static_cast<std::uint32_t>(pass_));
                     const float dx = rng.uniform();
                     const float dy = rng.uniform();
                     Vec2 lens;
@@ -84,14 +135,59 @@ class PassContext {
                         lens.x = rng.uniform();
                         lens.y = rng.uniform();
                     }
-                    const Ray ray =
+                    sample.ray =
                         camera_.ray({static_cast<float>(x) + dx, static_cast<float>(y) + dy}, lens);
-                    put(x, y, estimate(ray, rng, tracer), result);
+                    const Rgb value = estimate(state, sample, rng, tracer);
+                    film_.pixels[sample.pixel] = value;
+                    check(x, y, value, result);
                 }
             }
             result.n_rays = tracer.n_rays();
         });
     }
+    std::size_t n_tiles() const;
+
+    // A part of n things to do, of a size that does not depend on the number of threads.
+    class Chunk {
+     public:
+        std::size_t index = 0;
+        std::int64_t begin = 0;
+        std::int64_t end = 0;
+        RayTracer tracer;
+
+        // Adds to a pixel of the image, wherever it is; summed in the order of chunks.
+        void splat(int x, int y, Rgb value) {
+            splats_.push_back({static_cast<std::uint32_t>(y * context_.frame_.width + x), value});
+            context_.check(x, y, value, result_);
+        }
+
+     private:
+        friend class PassContext;
+        Chunk(PassContext& context, std::vector<Splat>& splats, ChunkResult& result)
+            : tracer(context.scene_), context_(context), splats_(splats), result_(result) {}
+        PassContext& context_;
+        std::vector<Splat>& splats_;
+        ChunkResult& result_;
+    };
+    static std::size_t n_chunks(std::int64_t n, std::int64_t chunk_size) {
+        return static_cast<std::size_t>((n + chunk_size - 1) / chunk_size);
+    }
+    // Calls work(chunk) for all of [0, n) cut into chunks. Splats are made in one such loop a pass.
+    template <class Work>
+    void for_each_chunk(std::int64_t n, std::int64_t chunk_size, const Work& work) {
+        const std::size_t n_all = n_chunks(n, chunk_size);
+        if (film_.splats.size() < n_all) film_.splats.resize(n_all);
+        run_chunks(n_all, [&](std::size_t i, ChunkResult& result) {
+            Chunk chunk(*this, film_.splats[i], result);
+            chunk.index = i;
+            chunk.begin = static_cast<std::int64_t>(i) * chunk_size;
+            chunk.end = std::min(n, chunk.begin + chunk_size);
+            work(chunk);
+            result.n_rays = chunk.tracer.n_rays();
+        });
+    }
+    // Of everything splatted so far; called once, at the end of the pass.
+    void add_splats();
 
     // False when the pass was cut short: it is discarded.
     bool complete() const { return complete_; }
@@ -100,15 +196,11 @@ class PassContext {
     struct Tile {
         int x0, y0, x1, y1;
     };
-    struct TileResult {
-        std::int64_t n_rays = 0;
-        std::int64_t n_nonfinite = 0;
-        std::int64_t n_negative = 0;
-        std::optional<SamplePlace> first_bad;
-    };
 
-    void run_tiles(const std::function<void(const Tile&, TileResult&)>& work);
-    void put(int x, int y, Rgb value, TileResult& result);
+    void run_chunks(std::size_t n, const std::function<void(std::size_t, ChunkResult&)>& work);
+    Tile tile_at(std::size_t chunk) const;
+    // Counts a value that is not finite or negative.
+    void check(int x, int y, Rgb value, ChunkResult& result) const;
 
     const Scene& scene_;
     Camera camera_;

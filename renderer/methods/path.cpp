@@ -14,9 +14,11 @@
 #include <optional>
 
 #include "renderer/base/check.h"
+#include "renderer/methods/bidirectional.h"
 #include "renderer/methods/next_event.h"
 #include "renderer/methods/parameters_of.h"
 #include "renderer/methods/pass_context.h"
+#include "renderer/methods/roulette.h"
 #include "renderer/methods/specialize.h"
 #include "renderer/mis/heuristics.h"
 
@@ -34,7 +36,7 @@ struct PathParameters {
     static void fields(auto& self, auto&& field) {
         field("max_depth", self.max_depth, "edges of the longest path, the camera edge included");
         field("rr_depth", self.rr_depth,
-              "edges after which Russian roulette may end a path, by its throughput");
+              "edges after which Russian roulette may end a path, by its throughput; 0: never");
         field("nee", self.nee, "next event estimation: sample lights at every vertex");
         field("bsdf", self.bsdf,
               "count lights that BSDF sampling runs into and next event estimation finds as well");
@@ -44,7 +46,7 @@ struct PathParameters {
 
     void check() {
         if (max_depth < 1) throw ParameterError("max_depth", "max_depth must be at least 1");
-        if (rr_depth < 1) throw ParameterError("rr_depth", "rr_depth must be at least 1");
+        if (rr_depth < 0) throw ParameterError("rr_depth", "rr_depth must be at least 0");
         if (!nee && !bsdf) {
             throw ParameterError("bsdf", "nee and bsdf are both off: no light would be found");
         }
@@ -53,22 +55,34 @@ struct PathParameters {
     }
 };
 
-// Survival never falls below this part, nor rises above it: a path of white walls must end too.
-constexpr float kMaxSurvival = 0.95F;
-
 class PathTracer final : public Method {
  public:
     explicit PathTracer(PathParameters parameters)
         : parameters_(std::move(parameters)), heuristic_(Heuristic::parse(parameters_.mis)) {}
 
-    void start(const Scene& scene, FrameInfo /*frame*/) override {
+    // Samples are shown by the bidirectional method without light paths: it is slower, but draws
+    // the same random numbers in the same order. It has no such technique as bsdf=false leaves.
+    bool attach(SampleObserver& observer) override {
+        if (!parameters_.bsdf) return false;
+        shown_ = make_bidirectional({.max_depth = parameters_.max_depth,
+                                     .rr_depth = parameters_.rr_depth,
+                                     .hit = true,
+                                     .shadow_rays = parameters_.nee ? 1 : 0,
+                                     .mis = parameters_.mis,
+                                     .light_selection = parameters_.light_selection});
+        return shown_->attach(observer);
+    }
+
+    void start(const Scene& scene, FrameInfo frame) override {
+        if (shown_) return shown_->start(scene, frame);
         next_event_.emplace(scene, find_light_selection(parameters_.light_selection));
     }
 
     void pass(PassContext& context) override {
+        if (shown_) return shown_->pass(context);
         specialize(context.scene(), [&]<bool kPlain>() {
-            context.for_each_pixel([this](const Ray& ray, Rng& rng, RayTracer& tracer) {
-                return radiance<kPlain>(ray, rng, tracer);
+            context.for_each_pixel([this](const CameraSample& sample, Rng& rng, RayTracer& tracer) {
+                return radiance<kPlain>(sample.ray, rng, tracer);
             });
         });
     }
@@ -141,10 +155,9 @@ class PathTracer final : public Method {
 
             // End long paths at random, by the throughput without the scale of refraction. The
             // survival probability is in beta, not in the densities.
-            if (depth >= parameters_.rr_depth) {
-                const float survival = std::min(kMaxSurvival, eta * eta * max_channel(beta));
-                if (rng.uniform() >= survival) return sum;
-                beta = (1 / survival) * beta;
+            if (parameters_.rr_depth > 0 && depth >= parameters_.rr_depth &&
+                !survives(eta * eta * max_channel(beta), rng, beta)) {
+                return sum;
             }
 
             // Continue in a direction sampled from the BSDF.
@@ -167,6 +180,7 @@ class PathTracer final : public Method {
     PathParameters parameters_;
     Heuristic heuristic_;
     std::optional<NextEvent> next_event_;
+    std::unique_ptr<Method> shown_;
 };
 
 std::string limits(const SceneFeatures& scene) {
@@ -178,7 +192,7 @@ std::string limits(const SceneFeatures& scene) {
 
 }  // namespace
 
-const MethodInfo kPath = method_info<PathTracer, PathParameters>(
+const MethodInfo kPath = method_info_of<PathTracer, PathParameters>(
     "path", "path tracing with next event estimation", 2, false, limits);
 
 }  // namespace misbench

@@ -102,6 +102,7 @@ void check_request(const RenderRequest& request) {
 
 }  // namespace
 
+bool Method::attach(SampleObserver& /*observer*/) { return false; }
 void Method::describe(nlohmann::json& /*json*/) const {}
 
 RenderResult render(const Scene& scene, const RenderRequest& request) {
@@ -111,6 +112,10 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
 RenderResult render(const Scene& scene, const MethodInfo& info, const RenderRequest& request) {
     check_request(request);
     const std::unique_ptr<Method> method = info.make(request.parameters);
+    if (request.observer != nullptr && !method->attach(*request.observer)) {
+        throw Error(Errc::InvalidArgument,
+                    "method '" + std::string(info.name) + "' does not show its samples");
+    }
     const FrameInfo frame{.width = request.width, .height = request.height};
     const auto n_pixels =
         static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
@@ -129,9 +134,10 @@ RenderResult render(const Scene& scene, const MethodInfo& info, const RenderRequ
     };
     method->start(scene, frame);
     Moment counted = watch.start();
-    for (std::int64_t pass = 0; watch.wants_pass(pass); ++pass) {
-        PassFilm pass_film;
-        pass_film.pixels.resize(n_pixels);
+    PassFilm pass_film;
+    for (std::int64_t n_done = 0; watch.wants_pass(n_done); ++n_done) {
+        const std::int64_t pass = request.first_pass + n_done;
+        pass_film.clear(n_pixels);
         PassContext context(scene, frame, request.seed, pass, threads, stop, pass_film);
         method->pass(context);
         const PassOutcome outcome = context.complete() ? method->finish_pass() : PassOutcome::Keep;

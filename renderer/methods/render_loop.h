@@ -12,6 +12,7 @@
 
 namespace misbench {
 
+class SampleObserver;
 class Scene;
 struct MethodInfo;
 
@@ -25,6 +26,11 @@ struct RenderRequest {
     int threads = 1;
     // Polled between chunks; true abandons the render. Empty: never.
     std::function<bool()> abandon = {};
+    // Sees every sample; null: none does. Refused by methods that do not show their samples.
+    SampleObserver* observer = nullptr;
+    // The number of the first pass: later passes can be rendered again alone by methods that learn
+    // nothing from earlier ones.
+    std::int64_t first_pass = 0;
 };
 
 struct RenderResult {

@@ -272,7 +272,7 @@ TEST_F(CliTest, RenderOfWhatCannotBeIsRefused) {
     expect_error(with({"--spp", "0"}), 2, "--spp");
     expect_error(with({"--spp", "1", "--size", "16"}), 2, "--size 16: must be WIDTHxHEIGHT");
     expect_error(with({"--spp", "1", "--size", "16x0"}), 2, "height must be a decimal integer");
-    expect_error(with({"--spp", "1", "--method", "vcm"}), 2, "unknown method 'vcm'");
+    expect_error(with({"--spp", "1", "--method", "mlt"}), 2, "unknown method 'mlt'");
     expect_error(with({"--spp", "1", "--set", "mis=ballance"}), 2, "ballance");
     expect_error(with({"--spp", "1", "--set", "depth=3"}), 2, "depth");
     expect_error(with({"--spp", "1", "--set", "depth"}), 2, "must be KEY=VALUE");

@@ -49,7 +49,7 @@ class ScriptedMethod final : public Method {
 
 RenderResult run_script(const Budget& budget, bool may_be_negative = false,
                         std::function<bool()> abandon = {}) {
-    const MethodInfo info = method_info<ScriptedMethod, NoParameters>(
+    const MethodInfo info = method_info_of<ScriptedMethod, NoParameters>(
         "script", "", 1, may_be_negative, [](const SceneFeatures&) { return std::string(); });
     return render(box(), info,
                   {.method = "script",
@@ -70,7 +70,8 @@ class RenderLoop : public testing::Test {
     // Every sample has this value.
     static void value_at(Rgb value) {
         g_pass = [value](PassContext& context) {
-            context.for_each_pixel([value](const Ray&, Rng&, RayTracer&) { return value; });
+            context.for_each_pixel(
+                [value](const CameraSample&, Rng&, RayTracer&) { return value; });
         };
     }
 };
@@ -125,7 +126,7 @@ TEST_F(RenderLoop, CountsOnlyPassesThatWereCompleteWithinTheTime) {
     // Each pass takes 30 ms of wall time at least, in its first chunk.
     g_pass = [](PassContext& context) {
         std::atomic<bool> slept = false;
-        context.for_each_pixel([&](const Ray&, Rng&, RayTracer&) {
+        context.for_each_pixel([&](const CameraSample&, Rng&, RayTracer&) {
             if (!slept.exchange(true)) std::this_thread::sleep_for(std::chrono::milliseconds(30));
             return Rgb{1, 1, 1};
         });
@@ -147,7 +148,7 @@ TEST_F(RenderLoop, CallsARunWithoutACompletePassInvalid) {
 
 TEST_F(RenderLoop, KeepsToACpuBudget) {
     g_pass = [](PassContext& context) {
-        context.for_each_pixel([](const Ray&, Rng& rng, RayTracer&) {
+        context.for_each_pixel([](const CameraSample&, Rng& rng, RayTracer&) {
             float sum = 0;
             for (int i = 0; i < 1000; ++i) sum += rng.uniform();
             return Rgb{sum, sum, sum};
@@ -163,8 +164,8 @@ TEST_F(RenderLoop, CountsNonFiniteSamplesAndSaysWhereTheFirstWas) {
     std::atomic<int> pass = 0;
     g_pass = [&pass](PassContext& context) {
         const bool bad = pass++ == 2;
-        context.for_each_pixel([bad](const Ray& ray, Rng&, RayTracer&) {
-            const bool right_half = ray.direction.x > 0;
+        context.for_each_pixel([bad](const CameraSample& sample, Rng&, RayTracer&) {
+            const bool right_half = sample.ray.direction.x > 0;
             return bad && right_half ? Rgb{std::nanf(""), 0, 0} : Rgb{1, 1, 1};
         });
     };
@@ -186,7 +187,7 @@ TEST_F(RenderLoop, DropsTheFrameWhenTheMethodSaysSoAndNeverReusesItsNumbers) {
     std::vector<float> firsts;
     g_pass = [&firsts](PassContext& context) {
         std::atomic<float> first = 0;
-        context.for_each_pixel([&first](const Ray&, Rng& rng, RayTracer&) {
+        context.for_each_pixel([&first](const CameraSample&, Rng& rng, RayTracer&) {
             const float u = rng.uniform();
             if (first == 0) first = u;
             return Rgb{1, 1, 1};
@@ -211,7 +212,7 @@ TEST_F(RenderLoop, StopsWhenAskedTo) {
 
 TEST_F(RenderLoop, PassesOnAnErrorOfAMethod) {
     g_pass = [](PassContext& context) {
-        context.for_each_pixel([](const Ray&, Rng&, RayTracer&) -> Rgb {
+        context.for_each_pixel([](const CameraSample&, Rng&, RayTracer&) -> Rgb {
             throw Error(Errc::Internal, "broken method");
         });
     };

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "renderer/methods/method.h"
+
+namespace misbench {
+
+extern const MethodInfo kVcm;
+
+}  // namespace misbench
