@@ -28,7 +28,13 @@ misbench_test(self_intersection_test stat misbench_extremes)
 misbench_test(merging_test stat misbench_renderer Boost::boost)
 misbench_test(camera_test stat misbench_renderer Boost::boost)
 
-foreach(test bidirectional_test load_test inspect_test render_loop_test)
+# What a full path's densities are, from its vertices alone.
+add_library(misbench_path_oracle STATIC support/path_oracle.cpp)
+target_link_libraries(misbench_path_oracle PUBLIC misbench_renderer)
+misbench_test(path_densities_on_scenes_test stat misbench_path_oracle)
+
+foreach(test bidirectional_test load_test inspect_test render_loop_test
+    path_densities_on_scenes_test)
   target_compile_definitions(${test} PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
 endforeach()
 
