@@ -33,8 +33,15 @@ add_library(misbench_path_oracle STATIC support/path_oracle.cpp)
 target_link_libraries(misbench_path_oracle PUBLIC misbench_renderer)
 misbench_test(path_densities_on_scenes_test stat misbench_path_oracle)
 
+# Whether methods agree.
+add_library(misbench_agreement STATIC support/image_agreement.cpp support/estimators.cpp)
+target_link_libraries(misbench_agreement PUBLIC misbench_renderer Boost::boost)
+misbench_test(image_agreement_test stat misbench_agreement)
+misbench_test(methods_agree_test stat misbench_agreement)
+misbench_test(methods_agree_on_scenes_test slow misbench_agreement)
+
 foreach(test bidirectional_test load_test inspect_test render_loop_test
-    path_densities_on_scenes_test)
+    path_densities_on_scenes_test methods_agree_on_scenes_test)
   target_compile_definitions(${test} PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
 endforeach()
 
