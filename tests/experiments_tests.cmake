@@ -2,17 +2,22 @@ misbench_test(experiment_file_test unit misbench_experiment_file)
 misbench_test(resolve_test unit misbench_experiments)
 misbench_test(table_test unit misbench_report)
 misbench_test(progress_test unit misbench_cli)
+misbench_test(path_story_test unit misbench_cli)
 misbench_test(run_test e2e misbench_results)
 
-# One test for ctest, because its cases share an experiment that takes seconds to run.
-add_executable(cli_test e2e/cli_test.cpp)
-target_link_libraries(cli_test
-  PRIVATE misbench_flags GTest::gmock GTest::gtest_main misbench_results)
-set_target_properties(cli_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+# One test for ctest each, because their cases share an experiment that takes seconds to run.
+foreach(test cli_test replay_test)
+  add_executable(${test} e2e/${test}.cpp)
+  target_link_libraries(${test}
+    PRIVATE misbench_flags GTest::gmock GTest::gtest_main misbench_results)
+  set_target_properties(${test} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+endforeach()
+target_link_libraries(replay_test PRIVATE OpenEXR::OpenEXR)
 add_test(NAME CliTest COMMAND cli_test)
-set_tests_properties(CliTest PROPERTIES LABELS e2e TIMEOUT 300)
+add_test(NAME ReplayTest COMMAND replay_test)
+set_tests_properties(CliTest ReplayTest PROPERTIES LABELS e2e TIMEOUT 300)
 
-foreach(test cli_test run_test)
+foreach(test cli_test replay_test run_test)
   target_compile_definitions(${test} PRIVATE
     MISBENCH_PROGRAM="$<TARGET_FILE:misbench>"
     MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")

@@ -4,47 +4,27 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "experiments/cli/estimate.h"
 #include "experiments/cli/output.h"
+#include "experiments/cli/pyramid.h"
 #include "experiments/cli/verbs.h"
-#include "experiments/plan/yaml_reader.h"
-#include "experiments/scene_lookup.h"
 #include "renderer/base/error.h"
 #include "renderer/base/files.h"
-#include "renderer/methods/catalogue.h"
-#include "renderer/methods/render_loop.h"
+#include "renderer/paths/technique_images.h"
 #include "results/record.h"
 
 namespace misbench {
 namespace {
 
-constexpr int kMaxSide = 16'384;
-
 [[noreturn]] void fail_usage(const std::string& message) {
     throw Error(Errc::InvalidArgument, message);
 }
 
-// "640x480".
-FrameInfo parse_size(const std::string& text) {
-    const auto x = text.find('x');
-    const YamlNode sides = parse_yaml(
-        x == std::string::npos ? "[]" : "[" + text.substr(0, x) + ", " + text.substr(x + 1) + "]",
-        "--size " + text, false);
-    if (sides.items.size() != 2) fail_usage("--size " + text + ": must be WIDTHxHEIGHT");
-    return {.width = static_cast<int>(read_integer(sides.items[0], "width", 1, kMaxSide)),
-            .height = static_cast<int>(read_integer(sides.items[1], "height", 1, kMaxSide))};
-}
-
-ParameterMap parse_parameters(const std::vector<std::string>& assignments) {
-    ParameterMap parameters;
-    for (const std::string& assignment : assignments) {
-        const auto equals = assignment.find('=');
-        const std::string source = "--set " + assignment;
-        if (equals == std::string::npos) fail_usage(source + ": must be KEY=VALUE");
-        const std::string key = assignment.substr(0, equals);
-        const YamlNode value = parse_yaml(assignment.substr(equals + 1), source, false);
-        parameters[key] = read_parameter(value, key);
+void require_known_extension(const std::string& file) {
+    const std::string extension = std::filesystem::path(file).extension();
+    if (extension != ".exr" && extension != ".png") {
+        fail_usage("write '" + file + "': unknown extension; known: .exr .png");
     }
-    return parameters;
 }
 
 Budget parse_budget(const RenderOptions& options) {
@@ -63,6 +43,26 @@ void write_image(const RenderOptions& options, const Image& image, const Task& t
     } else {
         write_file_durably(output, encode_png(image, options.exposure));
     }
+}
+
+void write_techniques(const RenderOptions& options, const TechniqueImages& sums,
+                      const RenderResult& result) {
+    const std::int64_t n_passes = result.statistics.passes;
+    if (n_passes != *options.samples) {
+        fail_usage(fmt::format("write '{}': method '{}' dropped passes that its techniques had",
+                               options.techniques, options.estimate.method));
+    }
+    const std::vector<TechniqueImage> techniques = sums.means(n_passes);
+    if (techniques.empty()) {
+        fail_usage("write '" + options.techniques + "': no technique found light in this scene");
+    }
+    const std::filesystem::path output = options.techniques;
+    if (output.extension() == ".exr") {
+        write_pyramid_exr(output, result.image, techniques);
+    } else {
+        write_file_durably(output, pyramid_png(techniques, options.exposure));
+    }
+    if (!options.json) print_result(pyramid_text(result.image, techniques));
 }
 
 // The record as a worker would write it, without what only a worker knows.
@@ -109,45 +109,19 @@ std::string why_invalid(const RenderStatistics& s) {
 }  // namespace
 
 int render_verb(const RenderOptions& options) {
-    const std::string extension = std::filesystem::path(options.output).extension();
-    if (extension != ".exr" && extension != ".png") {
-        fail_usage("write '" + options.output + "': unknown extension; known: .exr .png");
+    require_known_extension(options.output);
+    if (!options.techniques.empty()) require_known_extension(options.techniques);
+    const auto [task, loaded] = load_estimate(options.estimate, parse_budget(options));
+    RenderRequest request = request_of(task, options.estimate.threads);
+    std::optional<TechniqueImages> techniques;
+    if (!options.techniques.empty()) {
+        request.observer = &techniques.emplace(task.width, task.height);
     }
-    FrameInfo size;
-    if (!options.size.empty()) size = parse_size(options.size);
-    const MethodInfo& method = find_method(options.method);
-    Task task{.scene_hash = {},
-              .width = size.width,
-              .height = size.height,
-              .method = options.method,
-              .method_version = method.version,
-              .parameters = method.effective(parse_parameters(options.parameters)),
-              .budget = parse_budget(options),
-              .seed = options.seed,
-              .scene = {},
-              .scene_file = {}};
-    const SceneListing scene =
-        find_scene(options.scene, std::filesystem::current_path(), scene_folder(options.scenes));
-    task.scene = scene.name;
-    task.scene_file = scene.file.string();
-    task.scene_hash = scene_content_hash(scene.file);
-
-    const LoadedScene loaded = load_scene(scene.file, options.threads);
-    if (options.size.empty()) {
-        const FilmDefaults& film = loaded.scene->film();
-        task.width = film.width > 0 ? film.width : 640;
-        task.height = film.height > 0 ? film.height : 480;
-    }
-    RenderResult result = render(*loaded.scene, {.method = task.method,
-                                                 .parameters = task.parameters,
-                                                 .width = task.width,
-                                                 .height = task.height,
-                                                 .budget = task.budget,
-                                                 .seed = task.seed,
-                                                 .threads = options.threads});
+    RenderResult result = render(*loaded.scene, request);
     result.statistics.load_seconds = loaded.load_seconds;
     result.statistics.build_seconds = loaded.build_seconds;
     write_image(options, result.image, task);
+    if (techniques) write_techniques(options, *techniques, result);
     print_summary(options, task.budget, result);
     if (options.json) print_result(record_of(task, result));
     if (result.valid) return 0;

@@ -1,8 +1,8 @@
 // What each verb of `misbench` is told and does. main.cpp alone knows the command line's syntax; a
 // verb returns its exit code or throws Error.
 //
-// Exit codes: 0 done; 1 some tasks failed, or a scene has warnings; 2 usage or experiment; 3 store; 4 coordinator out of
-// reach; 70 a bug of ours; 130 interrupted.
+// Exit codes: 0 done; 1 some tasks failed, or a scene has warnings; 2 usage or experiment; 3 store;
+// 4 coordinator out of reach; 70 a bug of ours; 130 interrupted.
 #pragma once
 
 #include <cstdint>
@@ -23,22 +23,39 @@ struct ListOptions {
 };
 int list_verb(const ListOptions& options);
 
+// What is estimated, and how, but for its budget.
+struct EstimateOptions {
+    std::string scene = {};   // name or path
+    std::string scenes = {};  // folder, "" for the default
+    std::string method = {};
+    std::vector<std::string> parameters = {};  // KEY=VALUE
+    std::int64_t seed = 1;
+    std::string size = {};  // empty: what the scene file asks for, else 640x480
+    int threads = 1;
+};
+
 struct RenderOptions {
-    std::string scene;
-    std::string method = "path";
-    std::vector<std::string> parameters;  // KEY=VALUE
+    EstimateOptions estimate{.method = "path"};
     std::optional<std::int64_t> samples;  // exactly one of samples and seconds
     std::optional<double> seconds;
     std::string clock = "cpu";
-    std::int64_t seed = 1;
-    std::string size;  // empty: what the scene file asks for, else 640x480
-    int threads = 1;
     std::string output;  // .exr or .png
     double exposure = 0;
-    std::string scenes;
+    std::string techniques;  // .exr or .png, "" for none; only with samples
     bool json = false;
 };
 int render_verb(const RenderOptions& options);
+
+struct ReplayOptions {
+    std::string run;    // its id or the beginning of it; "" for the estimate
+    std::string store;  // of the run
+    // Of a run: where its scene lies now, "" for where it was.
+    EstimateOptions estimate;
+    std::string pixel;  // "x,y"; "" for the run's first bad sample
+    std::optional<std::int64_t> sample;
+    bool json = false;
+};
+int replay_verb(const ReplayOptions& options);
 
 struct SceneOptions {
     std::string scene;  // name or path; "" for all of the folder (info only)

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <span>
 
+#include "renderer/base/check.h"
 #include "renderer/base/error.h"
 #include "renderer/base/files.h"
 #include "renderer/image/decode.h"
@@ -26,13 +27,13 @@ constexpr std::array kGreyAndAlpha = {"Y", "A"};
 using Channels = std::span<const char* const>;
 
 // Interleaved floats that cover a window.
-Imf::FrameBuffer frame_buffer(float* values, Channels channels, const Imath::Box2i& window) {
+void insert(float* values, Channels channels, const std::string& prefix, const Imath::Box2i& window,
+            Imf::FrameBuffer& buffer) {
     const std::size_t pixel_bytes = channels.size() * sizeof(float);
-    Imf::FrameBuffer buffer;
     for (std::size_t c = 0; c < channels.size(); ++c) {
-        buffer.insert(channels[c], Imf::Slice::Make(Imf::FLOAT, values + c, window, pixel_bytes));
+        buffer.insert(prefix + channels[c],
+                      Imf::Slice::Make(Imf::FLOAT, values + c, window, pixel_bytes));
     }
-    return buffer;
 }
 
 // Beyond what compression makes of an image of one colour: a short file must not make us allocate
@@ -103,29 +104,50 @@ Channels channels_of(const Imf::ChannelList& list) {
     return channels;
 }
 
-}  // namespace
-
-void write_exr(const std::filesystem::path& path, const Image& image,
-               const std::map<std::string, std::string>& attributes) {
+void write_file(const std::filesystem::path& path, std::span<const ImageLayer> layers,
+                Imf::Compression compression,
+                const std::map<std::string, std::string>& attributes) {
+    MISBENCH_CHECK(!layers.empty());
+    const int width = layers[0].image->width;
+    const int height = layers[0].image->height;
     MemoryStream stream;
     try {
-        Imf::Header header(image.width, image.height);
-        header.compression() = Imf::NO_COMPRESSION;
-        for (const char* channel : kColor) {
-            header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
-        }
+        Imf::Header header(width, height);
+        header.compression() = compression;
         for (const auto& [name, value] : attributes) {
             header.insert(name, Imf::StringAttribute(value));
         }
+        Imf::FrameBuffer buffer;
+        for (const auto& [name, image] : layers) {
+            MISBENCH_CHECK(image->width == width && image->height == height);
+            const std::string prefix = name.empty() ? "" : name + ".";
+            // The writer only reads from the buffer; its interface is not const-correct.
+            insert(const_cast<float*>(image->rgb.data()), kColor, prefix, header.dataWindow(),
+                   buffer);
+            for (const char* channel : kColor) {
+                header.channels().insert(prefix + channel, Imf::Channel(Imf::FLOAT));
+            }
+        }
         Imf::OutputFile file(stream, header, 0);
-        // The writer only reads from the buffer; its interface is not const-correct.
-        file.setFrameBuffer(
-            frame_buffer(const_cast<float*>(image.rgb.data()), kColor, header.dataWindow()));
-        file.writePixels(image.height);
+        file.setFrameBuffer(buffer);
+        file.writePixels(height);
     } catch (const std::exception& e) {
         throw Error(Errc::DataLoss, "write image '" + path.string() + "': " + e.what());
     }
     write_file_durably(path, stream.bytes());
+}
+
+}  // namespace
+
+void write_exr(const std::filesystem::path& path, const Image& image,
+               const std::map<std::string, std::string>& attributes) {
+    write_file(path, std::array{ImageLayer{"", &image}}, Imf::NO_COMPRESSION, attributes);
+}
+
+void write_exr_layers(const std::filesystem::path& path, std::span<const ImageLayer> layers,
+                      const std::map<std::string, std::string>& attributes) {
+    // Fast, and what most layers need: they are black over large parts.
+    write_file(path, layers, Imf::RLE_COMPRESSION, attributes);
 }
 
 Pixels decode_exr(const std::string& bytes) {
@@ -150,7 +172,9 @@ Pixels decode_exr(const std::string& bytes) {
                   .n_channels = static_cast<int>(channels.size()),
                   .values = {}};
     std::vector<float> values(pixels.n_values());
-    file.setFrameBuffer(frame_buffer(values.data(), channels, window));
+    Imf::FrameBuffer buffer;
+    insert(values.data(), channels, "", window, buffer);
+    file.setFrameBuffer(buffer);
     file.readPixels(window.min.y, window.max.y);
     pixels.values = std::move(values);
     return pixels;

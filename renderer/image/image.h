@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,17 @@ struct Image {
 void write_exr(const std::filesystem::path& path, const Image& image,
                const std::map<std::string, std::string>& attributes = {});
 Image read_exr(const std::filesystem::path& path);
+
+// One image of several in a file: its channels are NAME.R NAME.G NAME.B, and R G B of the layer
+// without a name, which is what programs show that know of no layers.
+struct ImageLayer {
+    std::string name;
+    const Image* image = nullptr;
+};
+// REQUIRES: at least one layer; different names; all of one size. Compressed without loss; else
+// like write_exr, and read_exr gives the layer without a name.
+void write_exr_layers(const std::filesystem::path& path, std::span<const ImageLayer> layers,
+                      const std::map<std::string, std::string>& attributes = {});
 
 // An 8-bit sRGB PNG in memory of the image times 2^exposure, clamped to [0, 1]; non-finite pixels
 // are magenta.

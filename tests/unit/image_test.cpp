@@ -5,12 +5,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <fstream>
 #include <limits>
 
 #include "renderer/base/error.h"
 #include "renderer/base/files.h"
+#include "tests/support/exr_layers.h"
 
 namespace misbench {
 namespace {
@@ -38,6 +40,21 @@ TEST_F(ImageFile, ComesBackBitByBit) {
     image.rgb[5] = 1e-42F;
     write_exr(path_, image, {{"scene", "Box"}});
     EXPECT_EQ(read_exr(path_), image);
+}
+
+TEST_F(ImageFile, OfSeveralLayersHasEachUnderItsName) {
+    const Image all = gradient(7, 3);
+    Image part = gradient(7, 3);
+    for (float& value : part.rgb) value *= 0.5F;
+    part.rgb[8] = std::numeric_limits<float>::infinity();
+    write_exr_layers(path_,
+                     std::array{ImageLayer{"weighted.n4.connect2", &part},
+                                ImageLayer{"unweighted.n4.connect2", &all}, ImageLayer{"", &all}},
+                     {{"scene", "Box"}});
+    EXPECT_EQ(test::exr_layers(path_),
+              (std::map<std::string, Image>{
+                  {"", all}, {"unweighted.n4.connect2", all}, {"weighted.n4.connect2", part}}));
+    EXPECT_EQ(read_exr(path_), all);
 }
 
 TEST_F(ImageFile, ThatPromisesMorePixelsThanItCanHoldIsRefusedBeforeTheyAreAllocated) {
