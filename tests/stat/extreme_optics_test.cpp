@@ -1,44 +1,24 @@
 // Extreme scenes of glass, mirrors and an environment map, against their right answers.
 #include <gtest/gtest.h>
 
-#include "experiments/extremes/extreme_scenes.h"
-#include "renderer/methods/render_loop.h"
 #include "renderer/scene/camera.h"
 #include "renderer/scene/scene.h"
+#include "tests/support/extremes.h"
 #include "tests/support/statistics.h"
 
 namespace misbench {
 namespace {
 
+using test::extreme_scene;
+using test::mean_of;
+
 constexpr double kAlpha = 0.01;
 constexpr int kComparisons = 4;
 constexpr int kSeeds = 24;
 
-SceneDescription extreme_scene(std::string_view name) {
-    for (const extremes::ExtremeScene& row : extremes::extreme_scenes()) {
-        if (row.name == name) return row.make();
-    }
-    ADD_FAILURE() << name;
-    return {};
-}
-
-Image image_of(const Scene& scene, ParameterMap parameters, int size, int samples,
+Image image_of(const Scene& scene, const ParameterMap& parameters, int size, int samples,
                std::int64_t seed = 1) {
-    RenderResult result = render(scene, {.method = "path",
-                                         .parameters = std::move(parameters),
-                                         .width = size,
-                                         .height = size,
-                                         .budget = SampleBudget{samples},
-                                         .seed = seed,
-                                         .threads = 2});
-    EXPECT_TRUE(result.valid);
-    return std::move(result.image);
-}
-
-double mean_of(const Image& image) {
-    double sum = 0;
-    for (const float value : image.rgb) sum += double{value};
-    return sum / static_cast<double>(image.rgb.size());
+    return test::image_by("path", scene, parameters, {size, size, samples}, seed);
 }
 
 // What the walls emit goes through the block unchanged: at every boundary one of reflection and

@@ -2,19 +2,22 @@
 // one, else against another scene with the same answer.
 #include <gtest/gtest.h>
 
-#include "experiments/extremes/extreme_scenes.h"
-#include "renderer/methods/render_loop.h"
 #include "renderer/scene/light_sampler.h"
 #include "renderer/scene/scene.h"
+#include "tests/support/extremes.h"
 #include "tests/support/statistics.h"
 
 namespace misbench {
 namespace {
 
-using extremes::kFloorAlbedo;
 using extremes::scaled;
 using extremes::translated;
 using extremes::turned;
+using test::extreme_scene;
+using test::floor_radiance;
+using test::Frame2;
+using test::mean_of;
+using test::white_box_radiance;
 
 // One false alarm among all comparisons of this binary with this probability.
 constexpr double kAlpha = 0.01;
@@ -33,45 +36,14 @@ ParameterMap of_depth(std::int64_t depth, ParameterMap parameters) {
     return parameters;
 }
 
-SceneDescription extreme_scene(std::string_view name) {
-    for (const extremes::ExtremeScene& row : extremes::extreme_scenes()) {
-        if (row.name == name) return row.make();
-    }
-    ADD_FAILURE() << name;
-    return {};
-}
-
-struct Frame2 {
-    int width, height, samples;
-};
-
-// By the path tracer; valid means that no sample is infinite, NaN or negative.
 Image image_of(const Scene& scene, const ParameterMap& parameters, Frame2 frame,
                std::int64_t seed = 1) {
-    RenderResult result = render(scene, {.method = "path",
-                                         .parameters = parameters,
-                                         .width = frame.width,
-                                         .height = frame.height,
-                                         .budget = SampleBudget{frame.samples},
-                                         .seed = seed,
-                                         .threads = 2});
-    EXPECT_TRUE(result.valid);
-    return std::move(result.image);
-}
-
-double mean_of(const Image& image) {
-    double sum = 0;
-    for (const float value : image.rgb) sum += double{value};
-    return sum / static_cast<double>(image.rgb.size());
+    return test::image_by("path", scene, parameters, frame, seed);
 }
 
 std::vector<double> means(const Scene& scene, const ParameterMap& parameters, Frame2 frame,
                           int seeds = kSeeds) {
-    std::vector<double> values;
-    for (int seed = 0; seed < seeds; ++seed) {
-        values.push_back(mean_of(image_of(scene, parameters, frame, 100 + seed)));
-    }
-    return values;
+    return test::means_by("path", scene, parameters, frame, seeds);
 }
 
 void expect_mean(const Scene& scene, const ParameterMap& parameters, double expected,
@@ -81,55 +53,20 @@ void expect_mean(const Scene& scene, const ParameterMap& parameters, double expe
         << values[0] << " " << values[1] << " ... instead of " << expected;
 }
 
-// The form factor of a w × d rectangle at height h from a parallel element below its centre, by
-// integration of cos⁴θ / (π h²) over it.
-double form_factor(double w, double d, double h) {
-    const double a = w / (2 * h);
-    const double b = d / (2 * h);
-    const double ra = std::sqrt(1 + a * a);
-    const double rb = std::sqrt(1 + b * b);
-    return 2 / M_PI * (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb));
-}
-
-// What the floor below the lamp reflects.
-double floor_radiance(const extremes::FloorAndLamp& layout) {
-    return double{kFloorAlbedo} * double{layout.radiance.r} *
-           form_factor(double{layout.lamp_width}, double{layout.lamp_depth},
-                       double{layout.lamp_height});
-}
-
 void expect_floor_radiance(const Scene& scene, const extremes::FloorAndLamp& layout) {
     for (const ParameterMap& parameters : {kBsdf, kNee, kMis}) {
         expect_mean(scene, parameters, floor_radiance(layout));
     }
 }
 
-// The area of the corners as they are: rounding them changes that of a tiny lamp.
-double area_of(const Mesh& mesh) {
-    double area = 0;
-    for (const auto& [i, j, k] : mesh.triangles) {
-        const auto edge = [&](std::uint32_t to) {
-            const Vec3 a = mesh.positions[i];
-            const Vec3 b = mesh.positions[to];
-            return std::array{double{b.x} - double{a.x}, double{b.y} - double{a.y},
-                              double{b.z} - double{a.z}};
-        };
-        const auto [ux, uy, uz] = edge(j);
-        const auto [vx, vy, vz] = edge(k);
-        area += std::hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx) / 2;
-    }
-    return area;
-}
-
-// L A cosθ cosθ' / d², both cosines 1. BSDF sampling has no chance to hit it and takes no part.
+// BSDF sampling has no chance to hit it and takes no part.
 TEST(TinyLight, IlluminatesTheFloorInProportionToItsArea) {
     const SceneDescription description = extreme_scene("tiny-light");
-    const double area = area_of(description.meshes[1]);
+    const double area = test::area_of(description.meshes[1]);
     EXPECT_NEAR(area, 1e-10, 1e-12);
     const Scene scene(description, 1);
-    const double height = double{extremes::kTinyLampHeight};
-    const double irradiance = double{extremes::kTinyLampRadiance} * area / (height * height);
-    const double expected = double{kFloorAlbedo} / M_PI * irradiance;
+    const double expected = test::tiny_lamp_radiance(double{extremes::kTinyLampRadiance}, area,
+                                                     double{extremes::kTinyLampHeight});
     for (const ParameterMap& parameters : {kNee, kMis}) {
         // The lamp's rounded corners tilt it by a hundredth, which takes 1e-4 off its cosine.
         EXPECT_NEAR(mean_of(image_of(scene, parameters, {16, 16, 8})), expected, 5e-4 * expected);
@@ -179,12 +116,8 @@ TEST(NoLight, IsBlackByEveryTechnique) {
     }
 }
 
-// Radiance is Σ ρ^k over the first n edges along every path: without Russian roulette every sample
-// has this value, unless its path leaves through a wall.
-double white_box_radiance(double albedo, double n_edges) {
-    return (1 - std::pow(albedo, n_edges)) / (1 - albedo);
-}
-
+// Without Russian roulette every sample has the box's radiance, unless its path leaves through a
+// wall.
 int pixels_off(const Image& image, double expected, double tolerance) {
     int n = 0;
     for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
@@ -238,17 +171,6 @@ TEST(ImageSize, OneRowOf8192PixelsIsExact) {
     EXPECT_EQ(pixels_off(image, white_box_radiance(0.5, 20), 1e-5), 0);
 }
 
-// The part of values that differ by more than a thousandth of the mean: paths that rounding sends
-// another way.
-double part_that_differs(const Image& a, const Image& b) {
-    const double tolerance = 1e-3 * mean_of(a);
-    int n = 0;
-    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
-        n += std::abs(double{a.rgb[i]} - double{b.rgb[i]}) > tolerance ? 1 : 0;
-    }
-    return n / static_cast<double>(a.rgb.size());
-}
-
 TEST(Scale, ByAPowerOfTwoChangesNoBit) {
     const SceneDescription room = turned(extremes::room());
     const Image image = image_of(Scene(room, 1), kMis, {48, 48, 4});
@@ -261,23 +183,9 @@ TEST(Scale, ByAMillionChangesRoundingsOnly) {
     const Image image = image_of(Scene(turned(extremes::room()), 1), kMis, {48, 48, 4});
     for (const char* name : {"world-1e-6", "world-1e6"}) {
         const Image other = image_of(Scene(extreme_scene(name), 1), kMis, {48, 48, 4});
-        EXPECT_LT(part_that_differs(image, other), 0.01) << name;
+        EXPECT_LT(test::part_that_differs(image, other), 0.01) << name;
         EXPECT_NEAR(mean_of(other) / mean_of(image), 1, 1e-3) << name;
     }
-}
-
-// The means over blocks of kBlock² pixels.
-constexpr int kBlock = 16;
-std::vector<double> block_means(const Image& image) {
-    const auto blocks = static_cast<std::size_t>(image.width / kBlock);
-    std::vector<double> values(blocks * static_cast<std::size_t>(image.height / kBlock));
-    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
-        const std::size_t pixel = i / 3;
-        const auto width = static_cast<std::size_t>(image.width);
-        values[pixel / width / kBlock * blocks + pixel % width / kBlock] +=
-            double{image.rgb[i]} / (3 * kBlock * kBlock);
-    }
-    return values;
 }
 
 // Against the same rounded corners at the origin. Points are rounded to 1/128 units there and the
@@ -290,12 +198,7 @@ TEST(Translation, FarFromTheOriginTheImageIsTheSame) {
         const Image far = image_of(Scene(there, 1), parameters, {96, 96, 16});
         const Image near = image_of(Scene(here, 1), parameters, {96, 96, 16});
         EXPECT_NEAR(mean_of(far) / mean_of(near), 1, 0.01);
-        const std::vector<double> a = block_means(far);
-        const std::vector<double> b = block_means(near);
-        double worst = 0;
-        for (std::size_t i = 0; i < a.size(); ++i)
-            worst = std::max(worst, std::abs(a[i] / b[i] - 1));
-        EXPECT_LT(worst, 0.1);
+        EXPECT_LT(test::worst_block(far, near), 0.1);
     }
 }
 
