@@ -55,6 +55,8 @@ misbench_bench(render_bench misbench_renderer embree)
 target_link_options(render_bench PRIVATE -Wl,--wrap=rtcIntersect1 -Wl,--wrap=rtcOccluded1)
 target_compile_definitions(render_bench PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
 
+misbench_bench(paths_bench misbench_renderer)
+target_compile_definitions(paths_bench PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
 misbench_bench(light_bench misbench_renderer)
 misbench_bench(load_bench misbench_renderer)
 
