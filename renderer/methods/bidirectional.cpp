@@ -65,7 +65,7 @@ class Bidirectional final : public Method {
             if (counts_.light > 0) splat_light_paths<kPlain>(context);
             if (merges_) build_photon_map(context);
             estimate_pixels<kPlain>(context);
-            context.add_splats();
+            if (counts_.light > 0) context.add_splats();
         });
     }
 
@@ -439,12 +439,12 @@ class Bidirectional final : public Method {
     // at random. Memory is slow to find a random vertex: it is asked for it in two steps, early
     // enough to answer while rays are traced. [PRDD15]
     void draw_connections(Walk& walk, std::int64_t k) const {
+        walk.scratch.drawn.clear();
         if (options_.paired || counts_.connect == 0 || k + 2 > options_.max_depth) return;
         auto n = static_cast<std::int64_t>(options_.connections);
         const double fraction = options_.connections - static_cast<double>(n);
         if (fraction > 0 && double{walk.rng.uniform()} < fraction) ++n;
         const auto vertices = light_paths_->vertices();
-        walk.scratch.drawn.clear();
         for (std::int64_t i = 0; i < n; ++i) {
             double u = double{walk.rng.uniform()};
             u += 0x1p-24 * double{walk.rng.uniform()};
@@ -484,8 +484,7 @@ class Bidirectional final : public Method {
         // of the weight.
         const PathVertex& x = scratch.camera.back();
         const Vec3 edge = y.point.position - x.point.position;
-        const double d2 = double{edge.x} * double{edge.x} + double{edge.y} * double{edge.y} +
-                          double{edge.z} * double{edge.z};
+        const double d2 = squared_length(edge);
         if (d2 == 0) return;
         const Vec3 w = static_cast<float>(1 / std::sqrt(d2)) * edge;
         const BsdfValue f_x = bsdf.evaluate(w);
