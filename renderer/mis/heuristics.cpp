@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "renderer/base/check.h"
 #include "renderer/base/names.h"
@@ -15,49 +16,35 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// To add a heuristic: write its w_s below, add its row to kHeuristics. Nothing else: parsing,
+// To add a heuristic: write its shares below, add its row to kHeuristics. Nothing else: parsing,
 // `misbench list`, reports and the property tests all walk this table.
 //
-// All rows divide by q_s first: q spans more decades than a double, its powers more still, but a
-// technique whose ratio to q_s overflows leaves a weight of 0, which is right. All four are
-// [Vea97]'s, chapter 9.
+// Densities come in units of the largest: they span more decades than a double, their powers more
+// still, but one that is lost beside the largest has a weight of 0, which is right. All but the
+// last are [Vea97]'s, chapter 9.
 
-// w_s = q_s / Σ_k q_k
-double balance(std::span<const double> q, std::size_t s, double /*unused*/) {
-    double sum = 0;
-    for (const double q_k : q) sum += q_k / q[s];
-    return 1 / sum;
+// u_k = q_k
+void balance(std::span<double> /*q*/, double /*unused*/) {}
+
+// u_k = q_k^β
+void power(std::span<double> q, double beta) {
+    for (double& q_k : q) q_k = beta == 2 ? q_k * q_k : std::pow(q_k, beta);
 }
 
-// w_s = q_s^β / Σ_k q_k^β
-double power(std::span<const double> q, std::size_t s, double beta) {
-    double sum = 0;
-    for (const double q_k : q) {
-        const double ratio = q_k / q[s];
-        sum += beta == 2 ? ratio * ratio : std::pow(ratio, beta);
-    }
-    return 1 / sum;
+// u_k = 1 for the first of the largest, so that ties are given once, else 0
+void maximum(std::span<double> q, double /*unused*/) {
+    const auto largest = std::max_element(q.begin(), q.end());
+    for (auto q_k = q.begin(); q_k != q.end(); ++q_k) *q_k = q_k == largest ? 1 : 0;
 }
 
-// The first of the largest, so that ties are given once.
-std::size_t argmax(std::span<const double> q) {
-    return static_cast<std::size_t>(std::max_element(q.begin(), q.end()) - q.begin());
+// u_k = q_k where q_k ≥ α q_max, else 0
+void cutoff(std::span<double> q, double alpha) {
+    for (double& q_k : q) q_k = q_k < alpha ? 0 : q_k;
 }
 
-// w_s = 1 where q_s is the largest, else 0
-double maximum(std::span<const double> q, std::size_t s, double /*unused*/) {
-    return argmax(q) == s ? 1 : 0;
-}
-
-// w_s = q_s / Σ {q_k : q_k ≥ α q_max} where q_s ≥ α q_max, else 0
-double cutoff(std::span<const double> q, std::size_t s, double alpha) {
-    const double threshold = alpha * q[argmax(q)];
-    if (q[s] < threshold) return 0;
-    double sum = 0;
-    for (const double q_k : q) {
-        if (q_k >= threshold) sum += q_k / q[s];
-    }
-    return 1 / sum;
+// u_k = 1 where q_k > 0, else 0
+void constant(std::span<double> q, double /*unused*/) {
+    for (double& q_k : q) q_k = q_k > 0 ? 1 : 0;
 }
 
 constexpr std::array kHeuristics{
@@ -65,6 +52,7 @@ constexpr std::array kHeuristics{
     MisHeuristic{"power", "q_s^β / Σ q_k^β", "β", 2, 0, kInfinity, power},
     MisHeuristic{"maximum", "1 where q_s = max q_k, else 0", "", 0, 0, 0, maximum},
     MisHeuristic{"cutoff", "balance over the q_k ≥ α max q_k", "α", 0.1, 0, 1, cutoff},
+    MisHeuristic{"constant", "1 / number of q_k > 0", "", 0, 0, 0, constant},
 };
 
 [[noreturn]] void throw_unknown(const std::string& text) {
@@ -96,6 +84,25 @@ Heuristic Heuristic::parse(const std::string& text) {
                        (bounded ? " and below " + to_string(row->max_parameter) : " and finite"));
     }
     return {row, value};
+}
+
+void Heuristic::shares(std::span<double> q) const {
+    const double largest = *std::max_element(q.begin(), q.end());
+    for (double& q_k : q) q_k /= largest;
+    row_->shares(q, parameter_);
+}
+
+double Heuristic::weight(std::span<const double> q, std::size_t s) const {
+    constexpr std::size_t kFew = 8;
+    std::array<double, kFew> few;
+    std::vector<double> many;
+    if (q.size() > kFew) many.resize(q.size());
+    const std::span u = q.size() > kFew ? std::span(many) : std::span(few).first(q.size());
+    std::copy(q.begin(), q.end(), u.begin());
+    shares(u);
+    double sum = 0;
+    for (const double u_k : u) sum += u_k;
+    return u[s] / sum;
 }
 
 std::string Heuristic::canonical_name() const {

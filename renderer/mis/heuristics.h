@@ -20,8 +20,8 @@ struct MisHeuristic {
     double default_parameter;
     double min_parameter;  // exclusive bounds of the number
     double max_parameter;
-    // w_s(x) in [0, 1] for q[s] > 0, all q[k] ≥ 0 and finite.
-    double (*weight)(std::span<const double> q, std::size_t s, double parameter);
+    // In place: densities in units of the largest become shares u, w_s(x) = u_s / Σ_k u_k.
+    void (*shares)(std::span<double> q, double parameter);
 };
 
 std::span<const MisHeuristic> heuristics();
@@ -31,9 +31,12 @@ class Heuristic {
  public:
     // Throws ParameterError("mis", …) with the list of what is known.
     static Heuristic parse(const std::string& text);
-    double weight(std::span<const double> q, std::size_t s) const {
-        return row_->weight(q, s, parameter_);
-    }
+    // In place: all q[k] ≥ 0 and finite, one above 0, become shares u in [0, 1], the largest 1:
+    // w_s(x) = u_s / Σ_k u_k. What multiplies a share multiplies the weight before all are made to
+    // sum to one: u_k ∝ β_k q_k of hua2025 Eq. 17.
+    void shares(std::span<double> q) const;
+    // w_s(x) in [0, 1] for q[s] > 0.
+    double weight(std::span<const double> q, std::size_t s) const;
     // The number always written: "power" parses as "power2".
     std::string canonical_name() const;
 

@@ -169,7 +169,7 @@ BENCHMARK(rays_general_loop)
     ->ArgsProduct({{3, 4, 5}, {0}})
     ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMillisecond);
-BENCHMARK(heuristic_weight)->DenseRange(0, 3);
+BENCHMARK(heuristic_weight)->DenseRange(0, 4);
 
 }  // namespace
 }  // namespace misbench

@@ -124,6 +124,7 @@ TEST(Heuristic, FollowsItsFormula) {
     EXPECT_EQ(Heuristic::parse("maximum").weight(q, 1), 0);
     EXPECT_DOUBLE_EQ(Heuristic::parse("cutoff0.5").weight(q, 1), 3.0 / 7);
     EXPECT_EQ(Heuristic::parse("cutoff0.5").weight(q, 0), 0);
+    EXPECT_EQ(Heuristic::parse("constant").weight(q, 0), 1.0 / 3);
 }
 
 TEST(Heuristic, WritesEveryHeuristicInOneWay) {
@@ -144,7 +145,7 @@ TEST(Heuristic, RefusesWhatItDoesNotKnow) {
         FAIL();
     } catch (const ParameterError& e) {
         EXPECT_EQ(e.key(), "mis");
-        EXPECT_THAT(e.what(), testing::HasSubstr("known: balance power maximum cutoff"));
+        EXPECT_THAT(e.what(), testing::HasSubstr("known: balance power maximum cutoff constant"));
     }
 }
 
