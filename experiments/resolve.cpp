@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/plan/suggestion.h"
+#include "experiments/resolve_claims.h"
 #include "experiments/scene_lookup.h"
 #include "renderer/base/error.h"
 #include "renderer/methods/catalogue.h"
@@ -350,6 +351,8 @@ std::string describe(const ExperimentYaml& file, const std::vector<ResolvedScene
     for (const Budget& budget : plan.budgets) json["budgets"].push_back(budget_to_json(budget));
     json["reference"] = method_to_json(reference);
     json["reference"]["samples"] = file.reference.samples;
+    if (!file.profile.name.empty()) json["profile"] = file.profile.name;
+    for (const Claim& claim : plan.claims) json["claims"].push_back(claim_to_json(claim));
     json["reference"]["seeds"] = {file.reference.seed_a.value, file.reference.seed_b.value};
     return json.dump();
 }
@@ -377,6 +380,7 @@ Plan resolve(const ExperimentYaml& file, const std::filesystem::path& folder) {
     add_test_cells(file, scenes, methods, plan);
     apply_rules(file, plan);
     add_reference_cells(file.reference, scenes, reference, plan);
+    plan.claims = resolve_claims(file.claims, plan);
     plan.configuration = describe(file, scenes, methods, reference, plan);
     return plan;
 }

@@ -36,6 +36,8 @@ nlohmann::json plan_to_json(const Plan& plan) {
     }
     auto& budgets = json["budgets"] = nlohmann::json::array();
     for (const Budget& budget : plan.budgets) budgets.push_back(budget_to_json(budget));
+    auto& claims = json["claims"] = nlohmann::json::array();
+    for (const Claim& claim : plan.claims) claims.push_back(claim_to_json(claim));
     auto& cells = json["cells"] = nlohmann::json::array();
     for (const Cell& cell : plan.cells) {
         cells.push_back({{"scene", cell.scene},
@@ -57,6 +59,7 @@ Plan plan_from_json(const nlohmann::json& json) {
                   .budgets = {},
                   .baseline = json.at("baseline"),
                   .metrics = json.at("metrics"),
+                  .claims = {},
                   .cells = {},
                   .configuration = json.at("configuration")};
         for (const auto& scene : json.at("scenes")) {
@@ -64,6 +67,10 @@ Plan plan_from_json(const nlohmann::json& json) {
         }
         for (const auto& budget : json.at("budgets")) {
             plan.budgets.push_back(budget_from_json(budget));
+        }
+        // Plans of earlier builds have none.
+        if (const auto claims = json.find("claims"); claims != json.end()) {
+            for (const auto& claim : *claims) plan.claims.push_back(claim_from_json(claim));
         }
         for (const auto& cell : json.at("cells")) {
             plan.cells.push_back({.scene = cell.at("scene"),

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/plan/claim.h"
 #include "experiments/plan/task.h"
 
 namespace misbench {
@@ -47,6 +48,7 @@ struct Plan {
     std::vector<Budget> budgets;
     std::string baseline;              // a label
     std::vector<std::string> metrics;  // ids; the first is the one that tables show by default
+    std::vector<Claim> claims = {};    // in the file's order
     std::vector<Cell> cells;           // references first, then tests, seeds outermost
     std::string configuration;         // the effective experiment file, defaults filled in, as JSON
     bool operator==(const Plan&) const = default;

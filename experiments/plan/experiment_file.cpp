@@ -11,30 +11,10 @@ namespace {
 constexpr std::int64_t kMaxSeed = INT64_MAX;
 constexpr std::int64_t kReferenceSeedA = 1'000'001;
 constexpr std::int64_t kReferenceSeedB = 1'000'002;
-
-Placed<std::string> read_placed_text(const YamlNode& node, const std::string& what) {
-    return {read_text(node, what), node.place};
-}
+constexpr const char* kLabKey = "problems";
 
 Placed<std::int64_t> read_seed(const YamlNode& node) {
     return {read_integer(node, "a seed", 0, kMaxSeed), node.place};
-}
-
-// A word that can be the name of a file and a column of a table.
-std::string read_name(const YamlNode& node) {
-    const std::string name = read_text(node, "name");
-    const bool ok = !name.empty() && name.size() <= 100 && name.front() != '.' &&
-                    std::ranges::all_of(name, [](char c) {
-                        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                               (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.';
-                    });
-    if (!ok) {
-        fail_at(node.place,
-                "name must be 1 to 100 letters, digits, '-', '_' or '.', not first: "
-                "found '" +
-                    name + "'");
-    }
-    return name;
 }
 
 // The parameters among the keys of a map: all but `others`.
@@ -106,32 +86,6 @@ std::vector<Placed<std::int64_t>> read_seeds(const YamlNode& node) {
         }
     }
     return seeds;
-}
-
-Placed<Budget> read_budget(const YamlNode& node) {
-    require_keys(node, "a budget", {"samples", "seconds", "clock"});
-    const YamlNode* samples = node.find("samples");
-    const YamlNode* seconds = node.find("seconds");
-    const YamlNode* clock = node.find("clock");
-    if ((samples == nullptr) == (seconds == nullptr)) {
-        fail_at(node.place, "a budget has either 'samples' or 'seconds'");
-    }
-    if (samples != nullptr) {
-        if (clock != nullptr) fail_at(clock->key_place, "only a budget in seconds has a clock");
-        return {SampleBudget{read_integer(*samples, "samples", 1, kMaxSamples)}, node.place};
-    }
-    TimeBudget time{.seconds = read_number(*seconds, "seconds")};
-    if (time.seconds <= 0 || time.seconds > kMaxBudgetSeconds) {
-        fail_at(seconds->place, "seconds must be above 0 and at most 1e6: found " + seconds->text);
-    }
-    if (clock != nullptr) {
-        const std::string name = read_text(*clock, "clock");
-        if (name != "cpu" && name != "wall") {
-            fail_at(clock->place, unknown_name("clock", name, {"cpu", "wall"}));
-        }
-        time.clock = name == "cpu" ? BudgetClock::Cpu : BudgetClock::Wall;
-    }
-    return {time, node.place};
 }
 
 std::vector<Placed<Budget>> read_budgets(const YamlNode& node) {
@@ -210,17 +164,22 @@ ParameterMap to_map(const GivenParameters& given) {
 }
 
 ExperimentYaml read_experiment_yaml(const std::filesystem::path& file,
-                                    const std::vector<std::string>& overrides) {
+                                    const std::vector<std::string>& overrides,
+                                    const std::string& profile) {
     YamlNode root = read_yaml_file(file);
+    if (const YamlNode* problems = root.find(kLabKey)) {
+        fail_at(problems->key_place, "a file for `misbench lab`, not an experiment");
+    }
+    ExperimentYaml experiment;
+    experiment.file = file;
+    experiment.profile = apply_profile(root, profile);
     for (const std::string& assignment : overrides) apply_override(root, assignment);
 
     const std::string what = "the experiment file";
     require_keys(root, what,
                  {"name", "description", "scenes", "methods", "seeds", "budgets", "image",
-                  "reference", "include", "exclude", "baseline", "metrics"});
-    ExperimentYaml experiment;
-    experiment.file = file;
-    experiment.name = read_name(require_value(root, what, "name"));
+                  "reference", "include", "exclude", "baseline", "metrics", "profiles", "claims"});
+    experiment.name = read_word(require_value(root, what, "name"), "name");
     if (const YamlNode* description = root.find("description")) {
         experiment.description = read_text(*description, "description");
     }
@@ -242,7 +201,12 @@ ExperimentYaml read_experiment_yaml(const std::filesystem::path& file,
         experiment.baseline = read_placed_text(*baseline, "baseline");
     }
     experiment.metrics = read_metrics(root.find("metrics"));
+    experiment.claims = read_claims(root.find("claims"));
     return experiment;
+}
+
+bool is_lab_file(const std::filesystem::path& file) {
+    return read_yaml_file(file).find(kLabKey) != nullptr;
 }
 
 }  // namespace misbench

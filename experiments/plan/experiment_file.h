@@ -24,8 +24,33 @@
 //                  out
 //   baseline       a label of methods                               the first
 //   metrics        list of ids of `misbench list metrics`           [relmse.eps0.01]
+//   profiles       PROFILE: {KEY: value, …}: the same experiment    none
+//                  at another size; overrides keys of this table
+//                  but name and profiles (profile.h)
+//   claims         list of what is said about the methods, below    none
 //
-// Two further sources override the file, one value at a time: --set PATH=VALUE (override.h).
+// A claim is about the ratio error(method)/error(against):
+//
+//   claim          what is said, in words                           (required)
+//   where          where in the paper                               ""
+//   scenes         list of scenes                                   all
+//   method         a label of methods                               (required)
+//   against        another label                                    the baseline
+//   metric         one of metrics, or seconds_per_pass              the first
+//   budget         one of budgets                                   the first
+//   over           each: every scene by itself; mean: geometric     each
+//                  mean over the scenes; worst, best: the largest
+//                  and the smallest ratio
+//   expect         less, more, not_more, not_less, equal            (required)
+//   margin         what counts as noticeable, above 0 and at most   0.05
+//                  1: between 1/(1 + margin) and 1 + margin a
+//                  ratio does not
+//   paper          the paper's ratio; over each also              none
+//                  {SCENE: ratio}
+//   note           what we found out about it                       ""
+//
+// Two further sources change the file before anything is checked: --profile NAME takes a profile
+// (else the first one is taken), and then --set PATH=VALUE one value at a time (override.h).
 #pragma once
 
 #include <cstdint>
@@ -34,17 +59,13 @@
 #include <string>
 #include <vector>
 
+#include "experiments/plan/budget_entry.h"
+#include "experiments/plan/claim_entry.h"
+#include "experiments/plan/profile.h"
 #include "experiments/plan/yaml_reader.h"
-#include "renderer/base/budget.h"
 #include "renderer/base/parameters.h"
 
 namespace misbench {
-
-template <typename T>
-struct Placed {
-    T value{};
-    Place place;
-};
 
 struct GivenParameter {
     std::string name;
@@ -92,6 +113,7 @@ struct Rule {
 
 struct ExperimentYaml {
     std::filesystem::path file;
+    ChosenProfile profile;
     std::string name;
     std::string description;
     std::vector<SceneEntry> scenes;
@@ -103,15 +125,18 @@ struct ExperimentYaml {
     std::vector<Rule> exclude;
     std::optional<Placed<std::string>> baseline;
     std::vector<Placed<std::string>> metrics;
+    std::vector<ClaimEntry> claims;
 };
 
 inline constexpr std::int64_t kMaxSeeds = 100'000;
 inline constexpr std::int64_t kMaxImageSide = 16'384;
-inline constexpr std::int64_t kMaxSamples = 1'000'000'000;
-inline constexpr double kMaxBudgetSeconds = 1e6;
 
 // Throws NotFound when there is no file, InvalidArgument with the place of what is wrong.
 ExperimentYaml read_experiment_yaml(const std::filesystem::path& file,
-                                    const std::vector<std::string>& overrides = {});
+                                    const std::vector<std::string>& overrides = {},
+                                    const std::string& profile = "");
+
+// Whether this is a file for `misbench lab`, which lies among experiments and is none.
+bool is_lab_file(const std::filesystem::path& file);
 
 }  // namespace misbench

@@ -179,6 +179,26 @@ std::string read_text(const YamlNode& node, const std::string& what) {
     fail_at(node.place, what + " must be text: found " + found(node));
 }
 
+Placed<std::string> read_placed_text(const YamlNode& node, const std::string& what) {
+    return {read_text(node, what), node.place};
+}
+
+std::string read_word(const YamlNode& node, const std::string& what) {
+    const std::string word = read_text(node, what);
+    const bool ok = !word.empty() && word.size() <= 100 && word.front() != '.' &&
+                    std::ranges::all_of(word, [](char c) {
+                        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                               (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.';
+                    });
+    if (!ok) {
+        fail_at(node.place, what +
+                                " must be 1 to 100 letters, digits, '-', '_' or '.', not first: "
+                                "found '" +
+                                word + "'");
+    }
+    return word;
+}
+
 ParameterValue read_parameter(const YamlNode& node, const std::string& what) {
     if (node.kind != YamlNode::Kind::Scalar) {
         fail_at(node.place, what + " must be a single value: found " + found(node));

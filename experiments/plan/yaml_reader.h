@@ -22,6 +22,12 @@ std::string to_string(const Place& place);
 // Throws InvalidArgument "PLACE: message".
 [[noreturn]] void fail_at(const Place& place, const std::string& message);
 
+template <typename T>
+struct Placed {
+    T value{};
+    Place place;
+};
+
 struct YamlNode {
     enum class Kind { Null, Scalar, Sequence, Map };
 
@@ -51,6 +57,9 @@ std::int64_t read_integer(const YamlNode& node, const std::string& what, std::in
                           std::int64_t maximum);
 double read_number(const YamlNode& node, const std::string& what);
 std::string read_text(const YamlNode& node, const std::string& what);
+Placed<std::string> read_placed_text(const YamlNode& node, const std::string& what);
+// A word that can be part of a file's name and a column of a table.
+std::string read_word(const YamlNode& node, const std::string& what);
 // The type follows from how the value is written: true, 3, 0.5 or 1e3, anything else is text.
 ParameterValue read_parameter(const YamlNode& node, const std::string& what);
 // The items of a sequence; a single value stands for a sequence of one.

@@ -159,7 +159,7 @@ TEST_P(ExperimentFileFault, IsSaidWithItsPlace) {
 
 constexpr const char* kTopKeys =
     "known: name description scenes methods seeds budgets image reference include exclude "
-    "baseline metrics";
+    "baseline metrics profiles claims";
 
 INSTANTIATE_TEST_SUITE_P(
     All, ExperimentFileFault,

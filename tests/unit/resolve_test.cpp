@@ -190,6 +190,81 @@ TEST_F(ResolveTest, ExcludeDropsWhatMatchesAndTheReferenceOfASceneWithoutCells) 
                             "5 4 spp A bsdf", "5 4 spp A pt"));
 }
 
+constexpr const char* kClaims = R"(claims:
+  - {claim: faster, where: Fig. 1, method: pt, expect: less, paper: 0.5}
+  - claim: never worse
+    scenes: [Pair/B]
+    method: direct
+    against: pt
+    metric: seconds_per_pass
+    budget: {samples: 8}
+    over: worst
+    expect: not_more
+    margin: 0.1
+    paper: 0.9
+    note: "a | note"
+)";
+
+TEST_F(ResolveTest, ClaimsHaveTheirDefaultsFilledInAndAreKeptInThePlan) {
+    const Plan p = plan(std::string(kExperiment) + kClaims);
+    const Claim first{.text = "faster",
+                      .where = "Fig. 1",
+                      .scenes = {"A", "Pair/B"},
+                      .method = "pt",
+                      .against = "bsdf",
+                      .metric = "relmse.eps0.01",
+                      .budget = SampleBudget{4},
+                      .expect = Expectation::Less,
+                      .paper = {{"A", 0.5}, {"Pair/B", 0.5}},
+                      .note = ""};
+    const Claim second{.text = "never worse",
+                       .where = "",
+                       .scenes = {"Pair/B"},
+                       .method = "direct",
+                       .against = "pt",
+                       .metric = kSecondsPerPass,
+                       .budget = SampleBudget{8},
+                       .over = ClaimOver::Worst,
+                       .expect = Expectation::NotMore,
+                       .margin = 0.1,
+                       .paper = {{"", 0.9}},
+                       .note = "a | note"};
+    EXPECT_THAT(p.claims, ElementsAre(first, second));
+    EXPECT_EQ(plan_from_json(plan_to_json(p)), p);
+    EXPECT_EQ(nlohmann::json::parse(p.configuration).at("claims").size(), 2U);
+}
+
+TEST_F(ResolveTest, APlanOfABuildWithoutClaimsIsRead) {
+    const Plan p = plan(kExperiment);
+    nlohmann::json json = plan_to_json(p);
+    json.erase("claims");
+    EXPECT_EQ(plan_from_json(json), p);
+}
+
+TEST_F(ResolveTest, AClaimIsAboutTheScenesThatHaveBothMethods) {
+    const std::string rule = "exclude: [{scene: A, method: pt}]\n";
+    EXPECT_THAT(plan(kExperiment + rule + kClaims).claims.front().scenes, ElementsAre("Pair/B"));
+    EXPECT_EQ(complaint(kExperiment + rule +
+                        "claims: [{claim: x, method: pt, scenes: [A], expect: less}]\n"),
+              "17:42: the experiment leaves out 'pt' in scene 'A' with 4 spp");
+    EXPECT_EQ(complaint(std::string(kExperiment) + "exclude: [{method: pt}]\n" + kClaims),
+              "18:5: the experiment has no scene with both 'pt' and 'bsdf' with 4 spp");
+}
+
+TEST_F(ResolveTest, AProfileIsAnExperimentOfItsOwn) {
+    const std::string text = std::string(kExperiment) +
+                             "profiles: {laptop: {seeds: 2}, paper: {seeds: 3, methods: {pt: "
+                             "{max_depth: 6}}}}\n";
+    write("profiles.yaml", text);
+    const Plan p =
+        resolve(read_experiment_yaml(folder_ / "profiles.yaml", {}, "paper"), folder_ / "scenes");
+    EXPECT_EQ(p.experiment, "small-paper");
+    EXPECT_EQ(p.cells.size(), 4U + 3 * 2 * 2 * 3);
+    EXPECT_EQ(p.cells.at(5).task.parameters.at("max_depth"), ParameterValue(std::int64_t{6}));
+    EXPECT_EQ(nlohmann::json::parse(p.configuration).at("profile"), "paper");
+    EXPECT_EQ(plan(text).experiment, "small");
+}
+
 struct Fault {
     const char* from;
     const char* to;
@@ -248,7 +323,34 @@ INSTANTIATE_TEST_SUITE_P(
               "\ninclude: [{scene: A}]\nexclude: [{scene: Pair/B}]\nimage: {width: 16",
               "15:11: this rule matches no cell"},
         Fault{"\nimage: {width: 16", "\nexclude: [{seed: 5}, {seed: 6}]\nimage: {width: 16",
-              "14:22: no cell is left after this rule"}));
+              "14:22: no cell is left after this rule"},
+        Fault{"\nimage: {width: 16",
+              "\nclaims: [{claim: x, method: px, expect: less}]\nimage: {width: 16",
+              "14:29: unknown method 'px' (did you mean 'pt'?); known: bsdf pt direct"},
+        Fault{"\nimage: {width: 16",
+              "\nclaims: [{claim: x, method: bsdf, expect: less}]\nimage: {width: 16",
+              "14:29: a claim compares 'bsdf' with itself"},
+        Fault{"\nimage: {width: 16",
+              "\nclaims: [{claim: x, method: pt, against: px, expect: less}]\nimage: {width: 16",
+              "14:42: unknown method 'px'"},
+        Fault{"\nimage: {width: 16",
+              "\nclaims: [{claim: x, method: pt, metric: mse, expect: less}]\nimage: {width: 16",
+              "14:41: unknown metric of the experiment, 'mse'; known: relmse.eps0.01 "
+              "seconds_per_pass"},
+        Fault{"\nimage: {width: 16",
+              "\nclaims: [{claim: x, method: pt, scenes: [C], expect: less}]\nimage: {width: 16",
+              "14:42: unknown scene 'C'; known: A Pair/B"},
+        Fault{"\nimage: {width: 16",
+              "\nclaims: [{claim: x, method: pt, scenes: [A, A], expect: less}]\nimage: {width: 16",
+              "14:45: scene 'A' is listed twice"},
+        Fault{"\nimage: {width: 16",
+              "\nclaims: [{claim: x, method: pt, budget: {samples: 9}, expect: less}]\nimage: "
+              "{width: 16",
+              "14:41: unknown budget '9 spp'"},
+        Fault{"\nimage: {width: 16",
+              "\nclaims: [{claim: x, method: pt, scenes: A, paper: {Pair/B: 2}, expect: less}]\n"
+              "image: {width: 16",
+              "14:52: unknown scene of the claim, 'Pair/B'; known: A"}));
 
 TEST_F(ResolveTest, AnOverrideThatIsWrongNamesItself) {
     EXPECT_THAT(complaint(kExperiment, {"methods.pt.max_dpth=3"}),
