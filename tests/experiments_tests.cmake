@@ -1,6 +1,7 @@
 misbench_test(experiment_file_test unit misbench_experiment_file)
 misbench_test(profile_test unit misbench_experiment_file misbench_results)
 misbench_test(resolve_test unit misbench_experiments)
+misbench_test(claims_formats_test unit misbench_report)
 misbench_test(table_test unit misbench_report)
 misbench_test(progress_test unit misbench_cli)
 misbench_test(path_story_test unit misbench_cli)

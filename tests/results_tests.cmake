@@ -6,6 +6,8 @@ misbench_test(store_database_test unit misbench_results)
 misbench_test(store_disk_test unit misbench_results)
 misbench_test(reindex_test unit misbench_results)
 misbench_test(comparison_test unit misbench_analysis)
+misbench_test(findings_test unit misbench_analysis)
 misbench_test(intervals_test stat misbench_analysis)
+misbench_test(findings_coverage_test stat misbench_analysis)
 
 misbench_bench(results_bench misbench_results)

@@ -1,8 +1,12 @@
 #include "experiments/analysis/comparison.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "renderer/base/error.h"
 #include "results/metrics.h"
@@ -19,8 +23,16 @@ struct Known {
 
 Known known_of(const Store& store, const Plan& plan, const std::string& metric) {
     Known known{.runs = store.run_summaries(), .values = {}, .failed = {}};
-    for (const Measurement& m : store.measurements(plan)) {
-        if (m.metric == metric) known.values[m.run] = m.value;
+    if (metric == kSecondsPerPass) {
+        for (const auto& [id, run] : known.runs) {
+            if (run.passes > 0) {
+                known.values[id] = run.cpu_seconds / static_cast<double>(run.passes);
+            }
+        }
+    } else {
+        for (const Measurement& m : store.measurements(plan)) {
+            if (m.metric == metric) known.values[m.run] = m.value;
+        }
     }
     for (const TaskRow& row : store.tasks()) {
         if (row.state == TaskState::Failed) known.failed.insert(row.id);
@@ -50,6 +62,7 @@ void count(ComparedCell& cell, const Cell& planned, const Known& known) {
     }
     ++cell.n_measured;
     cell.values.push_back(value->second);
+    cell.seeds.push_back(planned.seed);
     cell.mean_passes += static_cast<double>(summary.passes);
     cell.mean_wall_seconds += summary.wall_seconds;
     cell.mean_cpu_seconds += summary.cpu_seconds;
@@ -84,14 +97,24 @@ std::vector<Budget> wanted_budgets(const Plan& plan, const std::optional<Budget>
                                        to_string(*budget) + "'; known:" + known);
 }
 
-std::string wanted_metric(const Plan& plan, const std::string& metric) {
+// What is compared: a metric that the plan measures, or the time of a pass.
+struct Quantity {
+    std::string id;
+    std::string formula;
+    bool less_is_better = true;
+};
+
+Quantity wanted_quantity(const Plan& plan, const std::string& metric) {
+    if (metric == kSecondsPerPass) return {kSecondsPerPass, "CPU seconds / passes", true};
     const bool is_measured = std::ranges::find(plan.metrics, metric) != plan.metrics.end();
-    if (is_measured) return metric;
-    if (metric.empty() && !plan.metrics.empty()) return plan.metrics.front();
+    if (is_measured || (metric.empty() && !plan.metrics.empty())) {
+        const Metric& found = find_metric(is_measured ? metric : plan.metrics.front());
+        return {std::string(found.id), std::string(found.formula), found.less_is_better};
+    }
     std::string known;
     for (const std::string& m : plan.metrics) known.append(" ").append(m);
     throw ParameterError("metric", "experiment '" + plan.experiment + "' does not measure '" +
-                                       metric + "'; known:" + known);
+                                       metric + "'; known:" + known + " " + kSecondsPerPass);
 }
 
 // The seeds of one cell of the table. Absent where the plan has none.
@@ -116,6 +139,28 @@ std::optional<ComparedCell> compared_cell(const Plan& plan, const Known& known,
 
 }  // namespace
 
+bool are_paired(const ComparedCell& a, const ComparedCell& b) { return a.seeds == b.seeds; }
+
+std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b) {
+    return are_paired(a, b) ? paired_log_ratio(a.values, b.values) : log_ratio(a.values, b.values);
+}
+
+std::string status_of(const ComparedCell& cell) {
+    if (cell.is_complete()) return "";
+    std::string status = fmt::format("{} of {} seeds", cell.n_measured, cell.n_planned);
+    const char* separator = ": ";
+    const std::array counts{std::pair{cell.n_invalid, "invalid"},
+                            std::pair{cell.n_failed, "failed"},
+                            std::pair{cell.n_unfinished, "unfinished"},
+                            std::pair{cell.n_unreferenced, "without reference"}};
+    for (const auto& [count, what] : counts) {
+        if (count == 0) continue;
+        status += fmt::format("{}{} {}", separator, count, what);
+        separator = ", ";
+    }
+    return status;
+}
+
 const ComparedCell* Comparison::find(const std::string& scene, const std::string& method,
                                      const Budget& budget) const {
     const auto found = std::ranges::find_if(cells, [&](const ComparedCell& cell) {
@@ -126,11 +171,11 @@ const ComparedCell* Comparison::find(const std::string& scene, const std::string
 
 Comparison compare(const Store& store, const Plan& plan, const std::string& metric,
                    const std::optional<Budget>& budget) {
-    const Metric& measured = find_metric(wanted_metric(plan, metric));
+    const Quantity quantity = wanted_quantity(plan, metric);
     Comparison comparison{.experiment = plan.experiment,
-                          .metric = std::string(measured.id),
-                          .formula = std::string(measured.formula),
-                          .less_is_better = measured.less_is_better,
+                          .metric = quantity.id,
+                          .formula = quantity.formula,
+                          .less_is_better = quantity.less_is_better,
                           .baseline = plan.baseline,
                           .scenes = {},
                           .methods = plan.methods,
@@ -149,7 +194,10 @@ Comparison compare(const Store& store, const Plan& plan, const std::string& metr
     for (ComparedCell& cell : comparison.cells) {
         const ComparedCell* baseline = comparison.find(cell.scene, plan.baseline, cell.budget);
         if (cell.is_baseline || baseline == nullptr) continue;
-        cell.ratio = estimate_ratio(cell.values, baseline->values);
+        const std::optional<LogRatio> ratio = log_ratio(cell, *baseline);
+        if (!ratio) continue;
+        cell.ratio = to_ratio(*ratio);
+        cell.ratio_is_paired = are_paired(cell, *baseline);
     }
     return comparison;
 }

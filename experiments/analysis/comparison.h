@@ -2,6 +2,7 @@
 // all printed from this, so that they cannot differ.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,11 +31,13 @@ struct ComparedCell {
     int n_unfinished = 0;    // waiting or in work
     int n_unreferenced = 0;  // valid, but its reference is missing, invalid or not yet compared
 
-    std::vector<double> values;    // of the metric, in the order of the plan's seeds
-    std::optional<Estimate> mean;  // absent without measured seeds
+    std::vector<double> values;       // of the metric, in the order of the plan's seeds
+    std::vector<std::int64_t> seeds;  // of `values`
+    std::optional<Estimate> mean;     // absent without measured seeds
     // mean / mean of the baseline in the same scene and budget. Absent for the baseline itself,
     // when one of the two has no measured seeds and when a mean is not positive.
     std::optional<Estimate> ratio;
+    bool ratio_is_paired = false;
     // Largest over median value: absent below kFewestForInterval seeds and for a median that is
     // not positive.
     std::optional<double> tail;
@@ -48,6 +51,14 @@ struct ComparedCell {
     bool ratio_excludes_one() const { return ratio && excludes_one(*ratio); }
     bool has_heavy_tail() const { return tail && *tail > kHeavyTail; }
 };
+
+// Both are measured with the same seeds, so that their values come in pairs.
+bool are_paired(const ComparedCell& a, const ComparedCell& b);
+// log(mean(a)/mean(b)), of pairs where there are. Absent like ComparedCell::ratio.
+std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b);
+
+// "4 of 5 seeds: 1 failed"; "" when all seeds are measured.
+std::string status_of(const ComparedCell& cell);
 
 struct Comparison {
     std::string experiment;
@@ -65,8 +76,9 @@ struct Comparison {
                              const Budget& budget) const;
 };
 
-// `metric` "" means the plan's first. Throws ParameterError when the plan does not measure `metric`
-// or does not use `budget`, with the list of those it has.
+// `metric` "" means the plan's first; kSecondsPerPass stands beside the plan's own. Throws
+// ParameterError when the plan does not measure `metric` or does not use `budget`, with the list of
+// those it has.
 Comparison compare(const Store& store, const Plan& plan, const std::string& metric = "",
                    const std::optional<Budget>& budget = std::nullopt);
 

@@ -45,7 +45,7 @@
 //   margin         what counts as noticeable, above 0 and at most   0.05
 //                  1: between 1/(1 + margin) and 1 + margin a
 //                  ratio does not
-//   paper          the paper's ratio; over each also              none
+//   paper          the paper's ratio; over each also                none
 //                  {SCENE: ratio}
 //   note           what we found out about it                       ""
 //

@@ -25,8 +25,10 @@ nlohmann::ordered_json cell_to_json(const ComparedCell& cell) {
                                    {"unfinished", cell.n_unfinished},
                                    {"without_reference", cell.n_unreferenced},
                                    {"values", cell.values},
+                                   {"seeds", cell.seeds},
                                    {"mean", estimate_to_json(cell.mean)},
                                    {"ratio", estimate_to_json(cell.ratio)},
+                                   {"ratio_is_paired", cell.ratio_is_paired},
                                    {"ratio_excludes_one", cell.ratio_excludes_one()},
                                    {"baseline", cell.is_baseline},
                                    {"few_passes", cell.few_passes},
@@ -63,8 +65,8 @@ std::string escape_csv(std::string_view text) {
 std::string to_csv(const Comparison& comparison) {
     std::string csv =
         "experiment,metric,scene,method,budget,planned,measured,invalid,failed,unfinished,"
-        "without_reference,mean,mean_low,mean_high,ratio,ratio_low,ratio_high,ratio_excludes_one,"
-        "baseline,few_passes,tail,passes,wall_seconds,cpu_seconds\n";
+        "without_reference,mean,mean_low,mean_high,ratio,ratio_low,ratio_high,ratio_is_paired,"
+        "ratio_excludes_one,baseline,few_passes,tail,passes,wall_seconds,cpu_seconds\n";
     for (const ComparedCell& cell : comparison.cells) {
         for (const std::string& text : {comparison.experiment, comparison.metric, cell.scene,
                                         cell.method, to_string(cell.budget)}) {
@@ -75,7 +77,8 @@ std::string to_csv(const Comparison& comparison) {
             csv += std::to_string(count) + ",";
         }
         csv += estimate_to_csv(cell.mean) + "," + estimate_to_csv(cell.ratio) + ",";
-        for (const bool flag : {cell.ratio_excludes_one(), cell.is_baseline, cell.few_passes}) {
+        for (const bool flag :
+             {cell.ratio_is_paired, cell.ratio_excludes_one(), cell.is_baseline, cell.few_passes}) {
             csv += flag ? "true," : "false,";
         }
         csv += (cell.tail ? full_precision(*cell.tail) : "") + ",";

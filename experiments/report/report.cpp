@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/analysis/comparison.h"
+#include "experiments/report/claims_formats.h"
 #include "experiments/report/numbers.h"
 #include "experiments/report/page.h"
 #include "experiments/report/provenance.h"
@@ -109,6 +110,7 @@ class Reporter {
                      {"script", kReport_js},
                      {"description", escape_html(plan_.description)},
                      {"extent", escape_html(extent())},
+                     {"claims", claims()},
                      {"tables", tables(provenance_lines(from))},
                      {"scenes", scenes()},
                      {"methods", methods()},
@@ -125,6 +127,13 @@ class Reporter {
         }
         return fmt::format("{} scenes, {} methods; {}; {} cells", plan_.scenes.size(),
                            plan_.methods.size(), budgets, plan_.cells.size());
+    }
+
+    std::string claims() const {
+        if (plan_.claims.empty()) return "";
+        return "<section>\n<h2>Claims</h2>\n<div class=\"scroll\">" +
+               claims_to_html({plan_.experiment, judge_claims(store_, plan_)}) +
+               "</div>\n</section>\n";
     }
 
     // The first metric's table is open, those of further metrics are folded.

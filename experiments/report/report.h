@@ -8,8 +8,9 @@
 
 namespace misbench {
 
-// A table for each metric; for each scene the reference and one image per method and budget, all at
-// the scene's exposure; where the numbers come from. The same store gives the same bytes.
+// The claims and what was found of them; a table for each metric; for each scene the reference and
+// one image per method and budget, all at the scene's exposure; where the numbers come from. The
+// same store gives the same bytes.
 std::string make_report(const Store& store, const Plan& plan);
 
 }  // namespace misbench

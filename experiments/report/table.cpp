@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <utility>
 
 #include "experiments/report/numbers.h"
 #include "renderer/base/error.h"
@@ -23,6 +22,8 @@ constexpr const char* kHeavyTailMark = " ‡";
 struct Footnotes {
     bool few_passes = false;
     bool heavy_tail = false;
+    bool paired = false;  // a ratio is one of pairs
+    bool unpaired = false;
     std::map<NoInterval, char> reasons;  // to the letter that stands for each
 
     std::string mark(NoInterval reason) {
@@ -59,22 +60,6 @@ Verdict verdict_of(const Comparison& comparison, const ComparedCell& cell) {
     return cell.ratio->value < 1 ? Verdict::Better : Verdict::Worse;
 }
 
-std::string status_of(const ComparedCell& cell) {
-    if (cell.is_complete()) return "";
-    std::string status = fmt::format("{} of {} seeds", cell.n_measured, cell.n_planned);
-    const char* separator = ": ";
-    const std::array counts{std::pair{cell.n_invalid, "invalid"},
-                            std::pair{cell.n_failed, "failed"},
-                            std::pair{cell.n_unfinished, "unfinished"},
-                            std::pair{cell.n_unreferenced, "without reference"}};
-    for (const auto& [count, what] : counts) {
-        if (count == 0) continue;
-        status += fmt::format("{}{} {}", separator, count, what);
-        separator = ", ";
-    }
-    return status;
-}
-
 TableCell lay_out_cell(const Comparison& comparison, const ComparedCell* cell, Footnotes& notes) {
     TableCell text;
     if (cell == nullptr) {
@@ -93,6 +78,7 @@ TableCell lay_out_cell(const Comparison& comparison, const ComparedCell* cell, F
     text.ratio = cell->is_baseline ? "baseline" : "–";
     if (cell->ratio) {
         text.ratio = format_ratio(*cell->ratio);
+        (cell->ratio_is_paired ? notes.paired : notes.unpaired) = true;
         if (cell->ratio->why_none) text.ratio += notes.mark(*cell->ratio->why_none);
         if (text.verdict != Verdict::None) text.ratio += kDifferentMark;
     }
@@ -115,6 +101,11 @@ std::string seeds_of(const Comparison& comparison) {
     return fmt::format("{} to {} seeds", fewest, most);
 }
 
+const char* kind_of_interval(const Footnotes& notes) {
+    if (!notes.paired) return "Welch";
+    return notes.unpaired ? "paired by seed, or Welch where seeds differ" : "paired by seed";
+}
+
 std::vector<std::string> footer_of(const Comparison& comparison, const Footnotes& notes) {
     const auto percent = static_cast<int>(100 * kConfidence + 0.5);
     std::vector<std::string> footer{
@@ -122,21 +113,11 @@ std::vector<std::string> footer_of(const Comparison& comparison, const Footnotes
                     comparison.less_is_better ? "; less is better" : ""),
         fmt::format("mean over {} ± half of its {} % Student t interval", seeds_of(comparison),
                     percent),
-        fmt::format("× ratio of means to baseline '{}' [{} % log-delta-t interval, Welch]",
-                    comparison.baseline, percent),
+        fmt::format("× ratio of means to baseline '{}' [{} % log-delta-t interval, {}]",
+                    comparison.baseline, percent, kind_of_interval(notes)),
         "* the interval of the ratio excludes 1"};
-    if (notes.few_passes) {
-        footer.push_back(
-            fmt::format("† a run has fewer than {} passes: the discarded pass biases "
-                        "its error",
-                        kFewPasses));
-    }
-    if (notes.heavy_tail) {
-        footer.push_back(
-            fmt::format("‡ the largest seed is more than {} × the median one: rare "
-                        "samples carry the error, intervals may be too short",
-                        kHeavyTail));
-    }
+    if (notes.few_passes) footer.push_back(few_passes_footnote());
+    if (notes.heavy_tail) footer.push_back(heavy_tail_footnote());
     for (const auto& [reason, letter] : notes.reasons) {
         footer.push_back(fmt::format("{} no interval: {}", letter, to_string(reason)));
     }
@@ -167,6 +148,18 @@ Axis axis_from_string(const std::string& text) {
         if (to_string(axis) == text) return axis;
     }
     throw Error(Errc::InvalidArgument, "unknown axis '" + text + "'; known: scene method budget");
+}
+
+std::string few_passes_footnote() {
+    return fmt::format("† a run has fewer than {} passes: the discarded pass biases its error",
+                       kFewPasses);
+}
+
+std::string heavy_tail_footnote() {
+    return fmt::format(
+        "‡ the largest seed is more than {} × the median one: rare samples carry the error, "
+        "intervals may be too short",
+        kHeavyTail);
 }
 
 Table make_table(const Comparison& comparison, const TableLayout& layout,

@@ -43,6 +43,10 @@ struct Table {
     std::vector<std::string> footer;  // one line each
 };
 
+// What the marks † and ‡ of a doubtful number mean, as lines of a footer.
+std::string few_passes_footnote();
+std::string heavy_tail_footnote();
+
 // `provenance` ends the footer. Throws InvalidArgument when rows and columns are the same axis.
 Table make_table(const Comparison& comparison, const TableLayout& layout,
                  const std::vector<std::string>& provenance);

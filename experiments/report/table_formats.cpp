@@ -116,6 +116,10 @@ std::string escape_latex(std::string_view text) {
                                      {"–", "--"}});
 }
 
+std::string escape_markdown(std::string_view text) {
+    return replace_characters(text, {{"|", "\\|"}, {"*", "\\*"}, {"_", "\\_"}, {"<", "&lt;"}});
+}
+
 std::string to_text(const Table& table) {
     const auto grid = grid_of(table);
     std::vector<std::size_t> widths(grid.front().size());
@@ -142,28 +146,25 @@ std::string to_text(const Table& table) {
 }
 
 std::string to_markdown(const Table& table) {
-    const auto escape = [](std::string_view text) {
-        return replace_characters(text, {{"|", "\\|"}, {"*", "\\*"}, {"_", "\\_"}, {"<", "&lt;"}});
-    };
-    std::string text = "**" + escape(table.title) + "**\n\n|";
-    for (const auto& header : table.label_headers) text += " " + escape(header) + " |";
-    for (const auto& header : table.columns) text += " " + escape(header) + " |";
+    std::string text = "**" + escape_markdown(table.title) + "**\n\n|";
+    for (const auto& header : table.label_headers) text += " " + escape_markdown(header) + " |";
+    for (const auto& header : table.columns) text += " " + escape_markdown(header) + " |";
     text += "\n|";
     for (std::size_t c = 0; c < table.label_headers.size(); ++c) text += "---|";
     for (std::size_t c = 0; c < table.columns.size(); ++c) text += "---:|";
     text += "\n";
     for (const TableRow& row : table.rows) {
         text += "|";
-        for (const std::string& label : row.labels) text += " " + escape(label) + " |";
+        for (const std::string& label : row.labels) text += " " + escape_markdown(label) + " |";
         for (const TableCell& cell : row.cells) {
             std::vector<std::string> lines = lines_of(cell);
-            for (std::string& line : lines) line = escape(line);
+            for (std::string& line : lines) line = escape_markdown(line);
             text += " " + join(lines, "<br>") + " |";
         }
         text += "\n";
     }
     text += "\n";
-    for (const std::string& line : table.footer) text += escape(line) + "  \n";
+    for (const std::string& line : table.footer) text += escape_markdown(line) + "  \n";
     return text;
 }
 

@@ -11,6 +11,7 @@ namespace misbench {
 std::string escape_html(std::string_view text);
 std::string escape_latex(std::string_view text);
 std::string escape_csv(std::string_view text);
+std::string escape_markdown(std::string_view text);  // of a table's cell
 
 std::string to_text(const Table& table);      // aligned columns for a terminal
 std::string to_markdown(const Table& table);  // a GitHub table, footer below

@@ -57,6 +57,40 @@ TEST_F(ComparisonTest, SaysWhichMethodIsBetterAndHowSureThatIs) {
     EXPECT_DOUBLE_EQ(clever.ratio->value, clever.mean->value / plain.mean->value);
     EXPECT_TRUE(clever.ratio_excludes_one());
     EXPECT_FALSE(clever.has_heavy_tail());
+    EXPECT_TRUE(clever.ratio_is_paired);
+    EXPECT_THAT(clever.seeds, ElementsAre(1, 2, 3, 4, 5));
+    EXPECT_EQ(clever.ratio, estimate_paired_ratio(clever.values, plain.values));
+}
+
+TEST_F(ComparisonTest, ComparesSeedBySeedOnlyWhereBothHaveTheSame) {
+    for (const Cell& cell : plan_.cells) {
+        if (cell.method == "clever" && cell.seed == 2) continue;
+        if (cell.method == "plain" && cell.seed == 4) continue;
+        commit(cell);
+    }
+    store_.measure(plan_);
+    const Comparison comparison = compare(store_, plan_);
+    const ComparedCell& plain = comparison.cells[0];
+    const ComparedCell& clever = comparison.cells[1];
+    EXPECT_THAT(clever.seeds, ElementsAre(1, 3, 4, 5));
+    EXPECT_EQ(plain.values.size(), clever.values.size());
+    EXPECT_FALSE(clever.ratio_is_paired);
+    EXPECT_EQ(clever.ratio, estimate_ratio(clever.values, plain.values));
+}
+
+TEST_F(ComparisonTest, TimesOfAPassAreComparedLikeAMetric) {
+    for (const Cell& cell : plan_.cells) {
+        commit(cell, [&cell](Record& record) {
+            record.statistics.passes = 4 * cell.seed;
+            record.statistics.cpu_seconds =
+                static_cast<double>(cell.seed) * (cell.method == "plain" ? 2 : 3);
+        });
+    }
+    const Comparison comparison = compare(store_, plan_, kSecondsPerPass);
+    EXPECT_THAT(comparison.cells[0].values, ElementsAre(0.5, 0.5, 0.5, 0.5, 0.5));
+    EXPECT_THAT(comparison.cells[1].values, ElementsAre(0.75, 0.75, 0.75, 0.75, 0.75));
+    EXPECT_DOUBLE_EQ(comparison.cells[1].ratio->value, 1.5);
+    EXPECT_EQ(comparison.cells[1].ratio->why_none, NoInterval::NoSpread);
 }
 
 TEST_F(ComparisonTest, CountsWhatBecameOfEverySeed) {
@@ -134,7 +168,8 @@ TEST_F(ComparisonTest, TakesTheMetricAndTheBudgetAskedFor) {
         ADD_FAILURE() << "compared";
     } catch (const ParameterError& e) {
         EXPECT_STREQ(e.what(),
-                     "experiment 'first' does not measure 'mean'; known: relmse.eps0.01 mse");
+                     "experiment 'first' does not measure 'mean'; known: relmse.eps0.01 mse "
+                     "seconds_per_pass");
     }
     try {
         compare(store_, plan_, "mse", SampleBudget{17});

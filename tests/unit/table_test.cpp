@@ -165,6 +165,15 @@ TEST(Table, AVerdictNeedsAnIntervalThatExcludesOneAndAMetricThatRanks) {
     EXPECT_THAT(table_of(comparison).footer[0], Not(HasSubstr("less is better")));
 }
 
+TEST(Table, TheFooterSaysHowRatiosAreTaken) {
+    Comparison comparison = two_by_two();
+    comparison.cells[1].ratio_is_paired = true;
+    EXPECT_THAT(table_of(comparison).footer[2],
+                HasSubstr("log-delta-t interval, paired by seed, or Welch where seeds differ]"));
+    comparison.cells[3].ratio_is_paired = true;
+    EXPECT_THAT(table_of(comparison).footer[2], HasSubstr("log-delta-t interval, paired by seed]"));
+}
+
 TEST(Table, ARatioThatCannotBeFormedIsShownAsMissing) {
     Comparison comparison = two_by_two();
     comparison.cells[1].ratio.reset();
@@ -260,10 +269,10 @@ TEST(TableFormats, CsvHasEveryCellInFullPrecision) {
                        csv.begin() + static_cast<std::ptrdiff_t>(end), ',')));
         at = end + 1;
     }
-    EXPECT_EQ(commas, std::vector<std::size_t>(5, 23));
+    EXPECT_EQ(commas, std::vector<std::size_t>(5, 24));
     EXPECT_THAT(csv, AllOf(HasSubstr("\nexp,mse,Box,pt,16 spp,5,5,0,0,0,0,0.3333333333333333,"
-                                     "0.0112,0.0134,,,,false,true,false,,16.0,0.25,0.5\n"),
-                           HasSubstr(",0.5,0.45,0.56,true,false,")));
+                                     "0.0112,0.0134,,,,false,false,true,false,,16.0,0.25,0.5\n"),
+                           HasSubstr(",0.5,0.45,0.56,false,true,false,")));
 }
 
 TEST(TableFormats, JsonHasValuesIntervalsAndReasons) {
