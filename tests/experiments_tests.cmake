@@ -6,6 +6,7 @@ misbench_test(table_test unit misbench_report)
 misbench_test(progress_test unit misbench_cli)
 misbench_test(path_story_test unit misbench_cli)
 misbench_test(run_test e2e misbench_results)
+misbench_test(claims_test e2e misbench_results)
 
 # One test for ctest each, because their cases share an experiment that takes seconds to run.
 foreach(test cli_test replay_test)
@@ -19,7 +20,7 @@ add_test(NAME CliTest COMMAND cli_test)
 add_test(NAME ReplayTest COMMAND replay_test)
 set_tests_properties(CliTest ReplayTest PROPERTIES LABELS e2e TIMEOUT 300)
 
-foreach(test cli_test replay_test run_test)
+foreach(test claims_test cli_test replay_test run_test)
   target_compile_definitions(${test} PRIVATE
     MISBENCH_PROGRAM="$<TARGET_FILE:misbench>"
     MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")

@@ -35,7 +35,8 @@ void add_scenes(CLI::App& verb, std::string& scenes) {
 }
 
 void add_experiment(CLI::App& verb, ExperimentOptions& experiment) {
-    verb.add_option("file", experiment.file, "experiment file (YAML)")->required();
+    verb.add_option("--profile", experiment.profile,
+                    "one of the file's profiles; default: its first");
     verb.add_option("--set", experiment.overrides,
                     "PATH=VALUE: override a value of the file, as in methods.pt.max_depth=3")
         ->allow_extra_args(false);
@@ -158,6 +159,7 @@ void add_plan(CLI::App& app, Chosen& chosen) {
                               "show the tasks of an experiment, which are done, and "
                               "the time that the others will take",
                               plan_verb, options, chosen);
+    verb.add_option("file", options->file, "experiment file (YAML)")->required();
     add_experiment(verb, options->experiment);
     verb.add_option("--store", options->store, "results store to look for finished tasks");
     verb.add_flag("--json", options->json, "as JSON");
@@ -167,9 +169,11 @@ void add_run(CLI::App& app, Chosen& chosen, const std::string& command_line) {
     const auto options = std::make_shared<RunOptions>();
     options->command_line = command_line;
     CLI::App& verb = add_verb(app, "run",
-                              "run an experiment and print its table; a second call "
-                              "resumes",
+                              "run experiments and print their tables and claims; a "
+                              "second call resumes",
                               run_verb, options, chosen);
+    verb.add_option("files", options->files, "experiment files (YAML), run one after the other")
+        ->required();
     add_experiment(verb, options->experiment);
     verb.add_option("--store", options->store, "results store; made if it is not there")
         ->required();
@@ -202,6 +206,17 @@ void add_table(CLI::App& app, Chosen& chosen) {
     verb.add_option("--format", options->format,
                     "text, latex or markdown; csv and json list every cell in full precision")
         ->check(CLI::IsMember({"text", "csv", "json", "latex", "markdown"}))
+        ->capture_default_str();
+}
+
+void add_claims(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<ClaimsOptions>();
+    CLI::App& verb = add_verb(app, "claims", "print what became of the claims of experiments",
+                              claims_verb, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "its name; default: all of the store");
+    verb.add_option("--format", options->format, "text, csv, json or markdown")
+        ->check(CLI::IsMember({"text", "csv", "json", "markdown"}))
         ->capture_default_str();
 }
 
@@ -267,6 +282,7 @@ int run_program(int argc, char** argv) {
     add_plan(app, chosen);
     add_run(app, chosen, command_line_of(argc, argv));
     add_table(app, chosen);
+    add_claims(app, chosen);
     add_report(app, chosen);
     add_store_verb(app, chosen, "status", "count the tasks of a store's experiments", status_verb);
     add_store_verb(app, chosen, "reindex", "rebuild a store's database from its run directories",

@@ -54,9 +54,12 @@ Totals total(const std::vector<PlannedTask>& tasks) {
     return totals;
 }
 
-std::string to_json(const Plan& plan, const std::vector<PlannedTask>& tasks) {
+std::string to_json(const Plan& plan, const ChosenProfile& profile,
+                    const std::vector<PlannedTask>& tasks) {
     const Totals totals = total(tasks);
     nlohmann::ordered_json json = {{"experiment", plan.experiment},
+                                   {"profile", profile.name},
+                                   {"profiles", profile.known},
                                    {"tasks", tasks.size()},
                                    {"in_store", totals.n_stored},
                                    {"estimated_seconds", totals.seconds_to_do},
@@ -77,7 +80,14 @@ std::string to_json(const Plan& plan, const std::vector<PlannedTask>& tasks) {
     return json.dump(2) + "\n";
 }
 
-std::string to_text(const Plan& plan, const std::vector<PlannedTask>& tasks) {
+// "profile laptop (known: laptop paper)\n", or "" without profiles.
+std::string profile_line(const ChosenProfile& profile) {
+    if (profile.known.empty()) return "";
+    return fmt::format("profile {} (known: {})\n", profile.name, fmt::join(profile.known, " "));
+}
+
+std::string to_text(const Plan& plan, const ChosenProfile& profile,
+                    const std::vector<PlannedTask>& tasks) {
     std::vector<std::vector<std::string>> rows{
         {"state", "task", "scene", "method", "budget", "seed", "time"}};
     for (const PlannedTask& task : tasks) {
@@ -87,8 +97,8 @@ std::string to_text(const Plan& plan, const std::vector<PlannedTask>& tasks) {
                         task.is_stored ? "" : fmt::format("{:.2g} s", task.cost.seconds)});
     }
     const Totals totals = total(tasks);
-    return align(rows) +
-           fmt::format("\n{}: {} tasks, {} in the store, {} to do; about {} on one thread{}\n",
+    return align(rows) + "\n" + profile_line(profile) +
+           fmt::format("{}: {} tasks, {} in the store, {} to do; about {} on one thread{}\n",
                        plan.experiment, tasks.size(), totals.n_stored,
                        tasks.size() - totals.n_stored, format_duration(totals.seconds_to_do),
                        totals.has_guess
@@ -100,14 +110,15 @@ std::string to_text(const Plan& plan, const std::vector<PlannedTask>& tasks) {
 
 int plan_verb(const PlanOptions& options) {
     const ExperimentOptions& from = options.experiment;
-    const Plan plan =
-        resolve(read_experiment_yaml(from.file, from.overrides), scene_folder(from.scenes));
+    const ExperimentYaml file = read_experiment_yaml(options.file, from.overrides, from.profile);
+    const Plan plan = resolve(file, scene_folder(from.scenes));
     std::optional<Store> store;
     if (!options.store.empty() && std::filesystem::exists(options.store)) {
         store.emplace(options.store, Store::Access::ReadOnly);
     }
     const std::vector<PlannedTask> tasks = tasks_of(plan, store ? &*store : nullptr);
-    print_result(options.json ? to_json(plan, tasks) : to_text(plan, tasks));
+    print_result(options.json ? to_json(plan, file.profile, tasks)
+                              : to_text(plan, file.profile, tasks));
     return 0;
 }
 

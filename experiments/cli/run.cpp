@@ -1,8 +1,9 @@
-// misbench run: an experiment from its file to its table, with a coordinator and workers of its
-// own.
+// misbench run: experiments from their files to their tables, with a coordinator and workers of
+// their own.
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -12,6 +13,7 @@
 #include "experiments/cli/progress.h"
 #include "experiments/cli/verbs.h"
 #include "experiments/cost_model.h"
+#include "experiments/report/claims_formats.h"
 #include "experiments/report/provenance.h"
 #include "experiments/report/table_formats.h"
 #include "experiments/resolve.h"
@@ -202,6 +204,9 @@ int print_outcome(const Store& store, const Plan& plan) {
     const Table table =
         make_table(compare(store, plan), {}, provenance_lines(origins(store, plan)));
     print_result(to_text(table));
+    if (!plan.claims.empty()) {
+        print_result("\n" + claims_to_text({{plan.experiment, judge_claims(store, plan)}}));
+    }
     return report_failures(store, plan) ? kExitSomeFailed : 0;
 }
 
@@ -214,13 +219,30 @@ int interrupted(const Store& store, const Plan& plan, const RunOptions& options)
     return kExitInterrupted;
 }
 
-}  // namespace
-
-int run_verb(const RunOptions& options) {
-    init_log("misbench", "info");
+// All plans before the first task: what is wrong with the last file is said now, not after hours.
+std::vector<Plan> resolve_all(const RunOptions& options) {
     const ExperimentOptions& from = options.experiment;
-    const Plan plan =
-        resolve(read_experiment_yaml(from.file, from.overrides), scene_folder(from.scenes));
+    const std::filesystem::path scenes = scene_folder(from.scenes);
+    std::vector<Plan> plans;
+    for (const std::string& file : options.files) {
+        if (options.files.size() > 1 && is_lab_file(file)) {
+            print_note("passed over '" + file + "': a file for `misbench lab`");
+            continue;
+        }
+        plans.push_back(resolve(read_experiment_yaml(file, from.overrides, from.profile), scenes));
+        const std::string& name = plans.back().experiment;
+        if (std::ranges::count(plans, name, &Plan::experiment) > 1) {
+            throw Error(Errc::InvalidArgument,
+                        file + ": a second experiment of the name '" + name + "'");
+        }
+    }
+    if (plans.empty()) {
+        throw Error(Errc::InvalidArgument, "run experiments: all files are for `misbench lab`");
+    }
+    return plans;
+}
+
+int run_plan(const RunOptions& options, const Plan& plan) {
     bool is_complete = true;
     std::map<std::string, Cost> costs = put_experiment(options, plan);
     if (!costs.empty()) {
@@ -230,6 +252,20 @@ int run_verb(const RunOptions& options) {
     Store store(options.store, Store::Access::ReadWrite);
     store.measure(plan);
     return is_complete ? print_outcome(store, plan) : interrupted(store, plan, options);
+}
+
+}  // namespace
+
+int run_verb(const RunOptions& options) {
+    init_log("misbench", "info");
+    const std::vector<Plan> plans = resolve_all(options);
+    int worst = 0;
+    for (const Plan& plan : plans) {
+        if (&plan != &plans.front()) print_result("\n");
+        worst = std::max(worst, run_plan(options, plan));
+        if (worst == kExitInterrupted) break;
+    }
+    return worst;
 }
 
 }  // namespace misbench

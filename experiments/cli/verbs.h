@@ -67,14 +67,15 @@ int scene_info_verb(const SceneOptions& options);
 // Returns kExitSomeFailed where there are warnings.
 int scene_check_verb(const SceneOptions& options);
 
-// An experiment file and what changes it.
+// What changes an experiment file, and where its scenes are.
 struct ExperimentOptions {
-    std::string file;
+    std::string profile;                 // "" for the first
     std::vector<std::string> overrides;  // PATH=VALUE
     std::string scenes;
 };
 
 struct PlanOptions {
+    std::string file;
     ExperimentOptions experiment;
     std::string store;  // "" for none
     bool json = false;
@@ -82,6 +83,7 @@ struct PlanOptions {
 int plan_verb(const PlanOptions& options);
 
 struct RunOptions {
+    std::vector<std::string> files;  // one after the other; those of `misbench lab` are passed over
     ExperimentOptions experiment;
     std::string store;
     int workers = 1;
@@ -100,6 +102,14 @@ struct TableOptions {
     std::string format = "text";  // text, csv, json, latex, markdown
 };
 int table_verb(const TableOptions& options);
+
+struct ClaimsOptions {
+    std::string store;
+    std::string experiment;       // "" for all
+    std::string format = "text";  // text, csv, json, markdown
+};
+// What claims come to is a finding, never an error.
+int claims_verb(const ClaimsOptions& options);
 
 struct ReportOptions {
     std::string store;

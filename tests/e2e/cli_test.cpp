@@ -101,8 +101,8 @@ TEST_F(CliTest, VersionAndHelpAreResults) {
     EXPECT_THAT(misbench({"--version"}).out, StartsWith("misbench "));
     EXPECT_EQ(misbench({"--version"}).exit_code, 0);
     EXPECT_THAT(misbench({"--help"}).out, HasSubstr("130 interrupted"));
-    for (const char* verb : {"list", "render", "scene", "plan", "run", "table", "report", "reindex",
-                             "status", "replay"}) {
+    for (const char* verb : {"list", "render", "scene", "plan", "run", "table", "claims", "report",
+                             "reindex", "status", "replay"}) {
         const Outcome help = misbench({verb, "--help"});
         EXPECT_EQ(help.exit_code, 0) << verb;
         EXPECT_THAT(help.out, HasSubstr("Usage")) << verb;
