@@ -11,7 +11,7 @@
 // and not decided otherwise. So each finding is a statement about R, and wrong for at most 5 % of
 // the experiments: "reproduced" says that the claim holds, "not reproduced" that it does not hold,
 // for less and more: not by more than the margin. (Either end of an interval is exceeded with
-// 2.5 %.) Over several scenes s:
+// 2.5 %, as far as its coverage in intervals.h goes.) Over several scenes s:
 //
 //   each    one finding for each scene, each with its own 5 %
 //   mean    R is the geometric mean of the R_s, the scenes being independent

@@ -90,10 +90,13 @@ std::string summary_of(const std::vector<ClaimFinding>& findings) {
 
 std::vector<std::string> footer_of(const std::vector<ClaimFinding>& findings) {
     const auto percent = static_cast<int>(100 * kConfidence + 0.5);
-    std::vector<std::string> footer{fmt::format(
-        "× ratio of mean errors [{} % log-delta-t interval]; each finding is wrong for at most "
-        "{} % of experiments",
-        percent, 100 - percent)};
+    const auto is_paired = &ClaimFinding::is_paired;
+    const bool some_paired = std::ranges::any_of(findings, is_paired);
+    const bool some_unpaired = !std::ranges::all_of(findings, is_paired);
+    std::vector<std::string> footer{
+        fmt::format("× ratio of means [{} % log-delta-t interval, {}]; each finding is wrong for "
+                    "at most {} % of experiments",
+                    percent, kind_of_interval(some_paired, some_unpaired), 100 - percent)};
     if (std::ranges::any_of(findings, &ClaimFinding::few_passes)) {
         footer.push_back(few_passes_footnote());
     }

@@ -101,11 +101,6 @@ std::string seeds_of(const Comparison& comparison) {
     return fmt::format("{} to {} seeds", fewest, most);
 }
 
-const char* kind_of_interval(const Footnotes& notes) {
-    if (!notes.paired) return "Welch";
-    return notes.unpaired ? "paired by seed, or Welch where seeds differ" : "paired by seed";
-}
-
 std::vector<std::string> footer_of(const Comparison& comparison, const Footnotes& notes) {
     const auto percent = static_cast<int>(100 * kConfidence + 0.5);
     std::vector<std::string> footer{
@@ -114,7 +109,7 @@ std::vector<std::string> footer_of(const Comparison& comparison, const Footnotes
         fmt::format("mean over {} ± half of its {} % Student t interval", seeds_of(comparison),
                     percent),
         fmt::format("× ratio of means to baseline '{}' [{} % log-delta-t interval, {}]",
-                    comparison.baseline, percent, kind_of_interval(notes)),
+                    comparison.baseline, percent, kind_of_interval(notes.paired, notes.unpaired)),
         "* the interval of the ratio excludes 1"};
     if (notes.few_passes) footer.push_back(few_passes_footnote());
     if (notes.heavy_tail) footer.push_back(heavy_tail_footnote());
@@ -148,6 +143,11 @@ Axis axis_from_string(const std::string& text) {
         if (to_string(axis) == text) return axis;
     }
     throw Error(Errc::InvalidArgument, "unknown axis '" + text + "'; known: scene method budget");
+}
+
+std::string kind_of_interval(bool some_paired, bool some_unpaired) {
+    if (!some_paired) return "Welch";
+    return some_unpaired ? "paired by seed, or Welch where seeds differ" : "paired by seed";
 }
 
 std::string few_passes_footnote() {

@@ -43,6 +43,9 @@ struct Table {
     std::vector<std::string> footer;  // one line each
 };
 
+// How the intervals of ratios are taken, of which some are of pairs and some are not.
+std::string kind_of_interval(bool some_paired, bool some_unpaired);
+
 // What the marks † and ‡ of a doubtful number mean, as lines of a footer.
 std::string few_passes_footnote();
 std::string heavy_tail_footnote();

@@ -30,6 +30,7 @@ ClaimFinding decided() {
     found.ratio = Estimate{.value = 0.6, .interval = Interval{0.55, 0.65}, .why_none = {}};
     found.paper = 0.63;
     found.n_seeds = 10;
+    found.is_paired = true;
     found.finding = Finding::Reproduced;
     return found;
 }
@@ -55,6 +56,7 @@ ClaimFinding missing() {
     found.ratio.reset();
     found.paper.reset();
     found.n_seeds = 1;
+    found.is_paired = false;
     found.finding = Finding::NotMeasured;
     found.reason = "Box, ours: 1 of 10 seeds: 9 unfinished";
     return found;
@@ -78,7 +80,8 @@ TEST(ClaimsFormats, TextIsALineForEachFindingBelowItsClaim) {
               "  not measured  worst of 2 scenes  –  1 seed; Box, ours: 1 of 10 seeds: 9 "
               "unfinished\n"
               "\n"
-              "× ratio of mean errors [95 % log-delta-t interval]; each finding is wrong for at "
+              "× ratio of means [95 % log-delta-t interval, paired by seed, or Welch where seeds "
+              "differ]; each finding is wrong for at "
               "most 5 % of experiments\n"
               "‡ the largest seed is more than 3 × the median one: rare samples carry the error, "
               "intervals may be too short\n");
@@ -120,7 +123,7 @@ TEST(ClaimsFormats, CsvHasOneRowOfAllFieldsForEachFinding) {
                                       "with_paper,seeds,is_paired,heavy_tail,few_passes,finding,"
                                       "reason,more_seeds,note\n"),
                            HasSubstr("\nexp,less | noise,Fig. 8,each,Box,Box Käfig,ours,mis_2,mse,"
-                                     "16 spp,less,0.05,0.63,0.6,0.55,0.65,true,10,false,false,"
+                                     "16 spp,less,0.05,0.63,0.6,0.55,0.65,true,10,true,false,"
                                      "false,reproduced,,,a <note>\n"),
                            HasSubstr(",not_more,0.05,,,,,,1,false,false,false,not measured,\"Box, "
                                      "ours: 1 of 10 seeds: 9 unfinished\",,\n")));
