@@ -87,6 +87,7 @@ std::optional<int> more_seeds_for(const Claim& claim, const std::vector<LogRatio
     return std::nullopt;
 }
 
+// One line of a claim: of one scene where it is over each.
 ClaimFinding judge_over(const Claim& claim, const std::vector<ClaimedScene>& scenes) {
     ClaimFinding found{.claim = claim,
                        .scene = claim.over == ClaimOver::Each ? scenes.front().name : "",
@@ -128,10 +129,13 @@ ClaimFinding judge_over(const Claim& claim, const std::vector<ClaimedScene>& sce
         return found;
     }
     found.finding = judge_ratio(claim, *found.ratio);
+    if (found.ratio->why_none) found.reason = to_string(*found.ratio->why_none);
+    if (found.finding == Finding::NotReproduced && !excludes_one(*found.ratio)) {
+        found.reason = "any difference is below the margin";
+    }
     if (std::ranges::all_of(ratios, &LogRatio::is_identity)) {
         found.reason = "the same in every seed, bit by bit";
     }
-    if (found.ratio->why_none) found.reason = to_string(*found.ratio->why_none);
     if (found.finding == Finding::NotDecided) {
         found.more_seeds = more_seeds_for(claim, ratios, found.n_seeds);
     }

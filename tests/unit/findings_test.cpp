@@ -171,6 +171,14 @@ TEST_F(FindingsTest, OverAllScenesIsOneLineThatNamesTheWorstOrTheBest) {
     EXPECT_EQ(found[2].finding, Finding::Reproduced);
 }
 
+TEST_F(FindingsTest, AClaimThatFailsForWantOfADifferenceSaysSo) {
+    const auto found = findings({claim_of(Expectation::Less)}, 6, [](const Cell& cell) {
+        return cell.method == "plain" ? 1.0 : cell.seed % 2 == 0 ? 1.01 : 0.99;
+    });
+    EXPECT_EQ(found[0].finding, Finding::NotReproduced);
+    EXPECT_EQ(found[0].reason, "any difference is below the margin");
+}
+
 TEST_F(FindingsTest, WhatIsOpenSaysHowManySeedsMayDecide) {
     const auto noisy = [](const Cell& cell) {
         if (cell.method == "plain") return 1.0;
