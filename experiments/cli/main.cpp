@@ -236,6 +236,22 @@ void add_store_verb(CLI::App& app, Chosen& chosen, const std::string& name, cons
     verb.add_option("store", options->store, "results store")->required();
 }
 
+void add_lab(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<LabOptions>();
+    CLI::App& verb = add_verb(app, "lab",
+                              "try MIS weights on integrals over an interval: exact and sampled "
+                              "variance, bias, weights",
+                              lab_verb, options, chosen);
+    verb.add_option("file", options->file, "laboratory file (YAML)")->required();
+    verb.add_option("--set", options->overrides,
+                    "PATH=VALUE: override a value of the file, as in runs=1000")
+        ->allow_extra_args(false);
+    verb.add_option("-o,--output", options->output, "FILE.svg: integrands, weights, errors");
+    verb.add_option("--format", options->format, "text, json or csv")
+        ->check(CLI::IsMember({"text", "json", "csv"}))
+        ->capture_default_str();
+}
+
 // As a shell would take it.
 std::string command_line_of(int argc, char** argv) {
     std::string line;
@@ -284,6 +300,7 @@ int run_program(int argc, char** argv) {
     add_table(app, chosen);
     add_claims(app, chosen);
     add_report(app, chosen);
+    add_lab(app, chosen);
     add_store_verb(app, chosen, "status", "count the tasks of a store's experiments", status_verb);
     add_store_verb(app, chosen, "reindex", "rebuild a store's database from its run directories",
                    reindex_verb);

@@ -124,4 +124,12 @@ struct StoreOptions {
 int reindex_verb(const StoreOptions& options);
 int status_verb(const StoreOptions& options);
 
+struct LabOptions {
+    std::string file;
+    std::vector<std::string> overrides;  // PATH=VALUE
+    std::string output;                  // .svg, "" for none
+    std::string format = "text";         // text, json, csv
+};
+int lab_verb(const LabOptions& options);
+
 }  // namespace misbench
