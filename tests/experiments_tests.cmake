@@ -7,6 +7,9 @@ misbench_test(progress_test unit misbench_cli)
 misbench_test(path_story_test unit misbench_cli)
 misbench_test(run_test e2e misbench_results)
 misbench_test(claims_test e2e misbench_results)
+misbench_test(lab_test unit misbench_lab)
+misbench_test(lab_sampling_test stat misbench_lab Boost::boost)
+misbench_test(lab_cli_test e2e misbench_base)
 
 # One test for ctest each, because their cases share an experiment that takes seconds to run.
 foreach(test cli_test replay_test)
@@ -26,3 +29,7 @@ foreach(test claims_test cli_test replay_test run_test)
     MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
   add_dependencies(${test} misbench misbench-coordinator misbench-worker)
 endforeach()
+target_compile_definitions(lab_cli_test PRIVATE
+  MISBENCH_PROGRAM="$<TARGET_FILE:misbench>"
+  MISBENCH_EXPERIMENTS="${CMAKE_SOURCE_DIR}/experiments")
+add_dependencies(lab_cli_test misbench)

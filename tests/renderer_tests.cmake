@@ -1,4 +1,5 @@
 misbench_test(heuristics_test unit misbench_renderer)
+misbench_test(optimal_weights_test unit misbench_renderer)
 misbench_test(path_densities_test unit misbench_renderer)
 misbench_test(path_weights_test unit misbench_renderer)
 misbench_test(light_sampler_test unit misbench_renderer)

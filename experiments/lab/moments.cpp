@@ -40,6 +40,9 @@ double subtracted(const Technique& technique, std::span<const double> cells) {
     return std::numeric_limits<double>::quiet_NaN();
 }
 
+// Of a sum over some hundred pieces.
+constexpr double kRounding = 1e-14;
+
 // The integrals of h over the cells of technique t, function t of `integrals`.
 std::vector<double> cell_integrals(const Technique& technique, const Integrals& integrals,
                                    std::span<const double> edges, std::size_t t) {
@@ -75,7 +78,8 @@ Moments exact_moments(const Problem& problem, const Weigh& weigh) {
         const double mean = integrals.total(t);
         moments.mean += mean;
         moments.variance += integrals.total(n + t) - subtracted(problem.techniques[t], cells);
-        moments.error += integrals.errors[n + t] + 2 * std::abs(mean) * integrals.errors[t];
+        moments.error += integrals.errors[n + t] + 2 * std::abs(mean) * integrals.errors[t] +
+                         kRounding * integrals.total(n + t);
     }
     if (!integrals.converged) moments.variance = std::numeric_limits<double>::infinity();
     // A difference of equal numbers may be below 0 by its rounding.

@@ -17,9 +17,9 @@ constexpr double kGapX = 44;
 constexpr double kGapY = 76;
 constexpr double kMarginX = 40;
 constexpr double kMarginTop = 74;
-constexpr double kBarsWidth = 330;
-constexpr double kBarsLabels = 120;  // of kBarsWidth, for the names
-constexpr int kPoints = 600;         // of a curve
+constexpr double kBarsWidth = 290;
+constexpr double kBarsLabels = 90;  // of kBarsWidth, for the names
+constexpr int kPoints = 600;        // of a curve
 
 // Okabe and Ito's colours, which most people can tell apart.
 constexpr std::array<std::string_view, 6> kColours{"#0072B2", "#E69F00", "#009E73",
@@ -229,7 +229,7 @@ std::string row(const Case& of, const CaseOutcome& outcome, double top, double& 
         svg += weights_panel(of.problem, *outcome.outcomes[i].weights, of.weightings[i].name, left,
                              top);
     }
-    left += kPanelWidth + kGapX / 2;
+    left += kPanelWidth + 10;
     svg += bars(of, outcome, left, top);
     right = std::max(right, left + kBarsWidth);
     return svg;

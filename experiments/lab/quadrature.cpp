@@ -66,7 +66,7 @@ class Adaptive {
 
     void add(const Rule& rule, double low, double high, int depth) {
         if (!result_.converged) return;
-        if (is_good(rule)) {
+        if (worst(rule) <= kTolerance) {
             for (std::size_t j = 0; j < scales_.size(); ++j) {
                 result_.pieces.back()[j] += rule.value[j];
                 result_.errors[j] += rule.error[j];
@@ -78,16 +78,28 @@ class Adaptive {
             result_.converged = false;
             return;
         }
-        add(apply_rule(functions_, scales_.size(), low, center), low, center, depth + 1);
-        add(apply_rule(functions_, scales_.size(), center, high), center, high, depth + 1);
+        const Rule left = apply_rule(functions_, scales_.size(), low, center);
+        const Rule right = apply_rule(functions_, scales_.size(), center, high);
+        // The worse half first, which leads straight to a pole and an end.
+        if (worst(left) > worst(right)) {
+            add(left, low, center, depth + 1);
+            add(right, center, high, depth + 1);
+        } else {
+            add(right, center, high, depth + 1);
+            add(left, low, center, depth + 1);
+        }
     }
 
  private:
-    bool is_good(const Rule& rule) const {
+    // The largest error in units of its function's scale; not a number where one is not.
+    double worst(const Rule& rule) const {
+        double worst = 0;
         for (std::size_t j = 0; j < scales_.size(); ++j) {
-            if (!(rule.error[j] <= kTolerance * scales_[j])) return false;
+            if (rule.error[j] == 0) continue;
+            const double error = rule.error[j] / scales_[j];
+            if (!(error <= worst)) worst = error;
         }
-        return true;
+        return worst;
     }
 
     const Functions& functions_;

@@ -159,7 +159,9 @@ CaseOutcome examine(const Case& of, std::int64_t seed, int runs) {
                       result.integral, iterations_of(weighting), outcome);
         }
         outcome.error = error_of(outcome, result.integral, iterations_of(weighting));
-        if (outcome.error) outcome.error_ratio = *outcome.error / balance_error;
+        if (outcome.error && balance_error > 0 && std::isfinite(balance_error)) {
+            outcome.error_ratio = *outcome.error / balance_error;
+        }
         result.outcomes.push_back(std::move(outcome));
     }
     for (const Expectation& expectation : of.expectations) {

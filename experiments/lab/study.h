@@ -66,7 +66,7 @@ struct Outcome {
     std::optional<Estimate> sampled_variance;
     std::optional<Estimate> sampled_bias;
     std::optional<double> error;        // exact, else sampled
-    std::optional<double> error_ratio;  // over that of the balance heuristic
+    std::optional<double> error_ratio;  // over the balance heuristic's, if that has one
 };
 
 struct Verdict {

@@ -13,25 +13,25 @@ namespace misbench::lab {
 
 // Where moments come from: quadrature, or that many draws of all samples, which are thrown away.
 struct MomentsFrom {
-    std::optional<int> pilot;
+    std::optional<int> pilot = {};
 };
 
 // hua2025 section 4.1 and appendix A: every combination of these factors, one a technique.
 struct CandidateGrid {
     double low = -1;
     double high = 1;
-    int candidates = 20;             // of each technique, both ends among them
-    std::vector<std::string> fixed;  // techniques that keep the factor 1
-    MomentsFrom moments;
+    int candidates = 20;                  // of each technique, both ends among them
+    std::vector<std::string> fixed = {};  // techniques that keep the factor 1
+    MomentsFrom moments = {};
 };
 
 // w_t ∝ β_t u_t: shares u of a heuristic with factors β in front.
 struct HeuristicWeights {
     std::string heuristic = "balance";
-    std::optional<MomentsFrom> variance;          // grittmann2019 Eq. 7
-    std::optional<MomentsFrom> inverse_variance;  // 1 / σ_t²
-    bool popov = false;                           // 1 / n_t where samples share a choice
-    std::optional<CandidateGrid> correction;      // in front of all others
+    std::optional<MomentsFrom> variance = {};          // grittmann2019 Eq. 7
+    std::optional<MomentsFrom> inverse_variance = {};  // 1 / σ_t²
+    bool popov = false;                                // 1 / n_t where samples share a choice
+    std::optional<CandidateGrid> correction = {};      // in front of all others
 };
 
 // [KVG*19], see renderer/mis/optimal_weights.h. A stratified technique counts as one technique a
