@@ -13,6 +13,8 @@ namespace {
 // Below this part of the largest one a pivot is rounding, not information.
 constexpr double kRankThreshold = 1e-10;
 
+constexpr std::size_t kSamplesPerTechnique = 2;
+
 double sum_of(std::span<const double> values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
@@ -69,7 +71,7 @@ void OptimalSystem::add(std::span<const double> q, double f) {
 }
 
 std::vector<double> OptimalSystem::solve() const {
-    if (!has_enough()) return std::vector<double>(rhs_.size(), 0.0);
+    if (n_samples_ < rhs_.size()) return std::vector<double>(rhs_.size(), 0.0);
     return solve_for_optimal(matrix_, rhs_);
 }
 
@@ -82,7 +84,8 @@ void DirectEstimator::add(std::span<const double> q, double f) {
 }
 
 double DirectEstimator::estimate() const {
-    if (!system_.has_enough()) return balance_sum_ / static_cast<double>(n_iterations_);
+    if (system_.n_samples() < counts_.size())
+        return balance_sum_ / static_cast<double>(n_iterations_);
     return dot(counts_, system_.solve());
 }
 
@@ -96,7 +99,7 @@ void ProgressiveEstimator::add(std::span<const double> q, double f) {
 
 void ProgressiveEstimator::end_iteration() {
     sum_ += dot(counts_, alpha_);
-    alpha_ = system_.solve();
+    if (system_.n_samples() >= kSamplesPerTechnique * counts_.size()) alpha_ = system_.solve();
     ++n_iterations_;
 }
 

@@ -34,7 +34,7 @@ class OptimalSystem {
     void add(std::span<const double> q, double f);
     // All 0, which stands for the balance heuristic, while there are fewer samples than techniques.
     std::vector<double> solve() const;
-    bool has_enough() const { return n_samples_ >= rhs_.size(); }
+    std::size_t n_samples() const { return n_samples_; }
 
  private:
     std::vector<double> matrix_;
@@ -59,7 +59,10 @@ class DirectEstimator {
     std::int64_t n_iterations_ = 0;
 };
 
-// Weighs an iteration with what earlier ones say, hence unbiased.
+// Weighs an iteration with what earlier ones say, hence unbiased. It starts with the balance
+// heuristic, until there are twice as many samples as techniques: with hardly more samples than
+// unknowns, α follows the samples exactly and may be of any size, and a few such runs can hold all
+// of the variance.
 class ProgressiveEstimator {
  public:
     explicit ProgressiveEstimator(std::vector<double> counts);

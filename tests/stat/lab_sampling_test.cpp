@@ -164,6 +164,33 @@ TEST(LabSampling, OptimalEstimatorsCountZeros) {
     EXPECT_GT(variance, 0.8 * optimum);
 }
 
+// Two samples for two techniques, sometimes side by side where one density hides the other.
+TEST(LabSampling, ProgressiveWeightsHaveNoWildBeginning) {
+    const Study study = read(R"(name: defensive
+problems:
+  defensive:
+    integrand: [{shape: gaussian, mean: 0.35, deviation: 0.12}, {shape: uniform, weight: 0.05}]
+    techniques:
+      uniform: {density: {shape: uniform}}
+      proportional:
+        density:
+          - {shape: gaussian, mean: 0.36, deviation: 0.11, weight: 0.99}
+          - {shape: uniform, weight: 0.01}
+    weights:
+      balance: {heuristic: balance}
+      progressive: {optimal: progressive, iterations: 4}
+)");
+    const Case& one = study.cases[0];
+    const auto balance = fix_weights(one.problem, one.weightings[0], 1);
+    const double integral = one.problem.integral();
+    double variance = 0;
+    for (const double value :
+         sample_estimates(one.problem, one.weightings[1], std::nullopt, 1, kRuns)) {
+        variance += 4 * std::pow(value - integral, 2) / kRuns;
+    }
+    EXPECT_LT(variance, exact_moments(one.problem, balance->weigh).variance);
+}
+
 TEST(LabSampling, NothingIsBelowTheVarianceOfOptimalWeightsForIndependentSamples) {
     for (const Case& one : read(kFile).cases) {
         const bool has_shared = std::ranges::any_of(
