@@ -22,9 +22,9 @@ Weigh with_factors(const Heuristic& heuristic, std::vector<double> factors) {
         heuristic.shares(weighted);
         double sum = 0;
         for (std::size_t t = 0; t < q.size(); ++t) sum += weighted[t] *= factors[t];
-        // All techniques that can sample this place have the factor 0.
-        if (sum == 0 && std::ranges::all_of(weighted, [](double u) { return u == 0; })) return;
-        for (double& u : weighted) u *= f / sum;
+        // Not a number where all that could sample this place have the factor 0: there are no such
+        // weights, and a search that took 0 for them would find the estimator that is always 0.
+        for (double& u : weighted) u = f == 0 ? 0 : u / sum * f;
     };
 }
 

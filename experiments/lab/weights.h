@@ -25,7 +25,8 @@ struct CandidateGrid {
     MomentsFrom moments = {};
 };
 
-// w_t ∝ β_t u_t: shares u of a heuristic with factors β in front.
+// w_t ∝ β_t u_t: shares u of a heuristic with factors β in front. Where Σ β_t u_t is 0 somewhere,
+// the moments are infinite or not numbers, and no search takes such factors.
 struct HeuristicWeights {
     std::string heuristic = "balance";
     std::optional<MomentsFrom> variance = {};          // grittmann2019 Eq. 7

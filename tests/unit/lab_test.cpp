@@ -235,6 +235,18 @@ TEST(LabWeights, CorrectionKeepsFixedFactorsAndNeverIsWorse) {
     EXPECT_THAT(weights.factors, ElementsAre(1, 1));
 }
 
+TEST(LabWeights, CorrectionNeverTakesFactorsThatLeaveAPlaceUnsampled) {
+    const Problem problem = problem_of(
+        line(1, 2), {make_technique("left", uniform({0, 0.6}), 2, Layout::Independent, 1),
+                     make_technique("right", uniform({0.4, 1}), 1, Layout::Independent, 1)});
+    for (const MomentsFrom& from : {MomentsFrom{}, MomentsFrom{50}}) {
+        const CandidateGrid grid{.low = 0, .high = 1, .candidates = 3, .moments = from};
+        const FixedWeights weights = fixed(problem, {.correction = grid});
+        EXPECT_THAT(weights.factors, testing::Each(testing::Gt(0)));
+        EXPECT_NEAR(exact_moments(problem, weights.weigh).mean, problem.integral(), 1e-9);
+    }
+}
+
 TEST(LabWeights, OptimalOnesLeaveNoVarianceToASumOfDensities) {
     const Problem problem = problem_of(
         line(3, 2), {make_technique("iid", uniform(), 2, Layout::Independent, 1),
