@@ -9,6 +9,7 @@
 #include "experiments/lab/plot.h"
 #include "experiments/lab/study_file.h"
 #include "experiments/report/numbers.h"
+#include "renderer/base/error.h"
 #include "renderer/base/files.h"
 
 namespace misbench {
@@ -158,6 +159,10 @@ std::string to_csv(const lab::Study& study, const std::vector<lab::CaseOutcome>&
 }  // namespace
 
 int lab_verb(const LabOptions& options) {
+    if (!options.output.empty() && !options.output.ends_with(".svg")) {
+        throw Error(Errc::InvalidArgument,
+                    "output '" + options.output + "': the laboratory draws .svg only");
+    }
     const lab::Study study = lab::read_study(options.file, options.overrides);
     std::vector<lab::CaseOutcome> outcomes;
     for (const lab::Case& one : study.cases) {

@@ -19,6 +19,13 @@ double position(const Domain& on, double x) {
     return std::clamp((x - on.low) / width(on), 0.0, 1.0);
 }
 
+// Where a quadrature that stops there cannot step over a peak.
+std::vector<double> around(double mean, double deviation) {
+    std::vector<double> edges;
+    for (const int n : {-8, -4, -2, 0, 2, 4, 8}) edges.push_back(mean + n * deviation);
+    return edges;
+}
+
 void sort_unique(std::vector<double>& values) {
     std::ranges::sort(values);
     values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -42,17 +49,16 @@ double Gaussian::value(double x) const {
 double Gaussian::integral_to(double x) const {
     return 0.5 * std::erfc((mean - x) / (deviation * std::numbers::sqrt2));
 }
-std::vector<double> Gaussian::edges() const {
-    std::vector<double> edges;
-    for (const int n : {-8, -4, -2, 0, 2, 4, 8}) edges.push_back(mean + n * deviation);
-    return edges;
-}
+std::vector<double> Gaussian::edges() const { return around(mean, deviation); }
 
 double Beta::value(double x) const {
-    const double t = position(on, x);
-    return std::pow(t, a - 1) * std::pow(1 - t, b - 1) / (boost::math::beta(a, b) * width(on));
+    return boost::math::ibeta_derivative(a, b, position(on, x)) / width(on);
 }
 double Beta::integral_to(double x) const { return boost::math::ibeta(a, b, position(on, x)); }
+std::vector<double> Beta::edges() const {
+    const double deviation = std::sqrt(a * b / (a + b + 1)) / (a + b);
+    return around(on.low + width(on) * a / (a + b), width(on) * deviation);
+}
 
 double Table::value(double at) const {
     if (at < x.front() || at > x.back()) return 0;

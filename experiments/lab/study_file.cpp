@@ -147,10 +147,14 @@ HeuristicWeights read_heuristic_weights(const YamlNode& node, const std::string&
     return weights;
 }
 
-OptimalWeights read_optimal_weights(const YamlNode& node, const std::string& what) {
+OptimalWeights read_optimal_weights(const YamlNode& node, const std::string& what,
+                                    const Problem& problem) {
     require_keys(node, what, {"optimal", "iterations"});
     const std::string how =
         read_one_of(*node.find("optimal"), "optimal", {"exact", "direct", "progressive"});
+    if (IndependentTechniques(problem).counts().size() > kMaxOptimal) {
+        fail_at(node.place, what + ": optimal weights know at most 64 techniques and strata");
+    }
     const YamlNode* iterations = node.find("iterations");
     if ((iterations != nullptr) == (how == "exact")) {
         fail_at(node.place, what +
@@ -165,7 +169,9 @@ OptimalWeights read_optimal_weights(const YamlNode& node, const std::string& wha
 Weighting read_weighting(const YamlNode& node, const Problem& problem) {
     const std::string what = "weights '" + node.key + "'";
     require_map(node, what);
-    if (node.find("optimal") != nullptr) return {node.key, read_optimal_weights(node, what)};
+    if (node.find("optimal") != nullptr) {
+        return {node.key, read_optimal_weights(node, what, problem)};
+    }
     if (const YamlNode* only = node.find("only")) {
         require_keys(node, what, {"only"});
         return {node.key,

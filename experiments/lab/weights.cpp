@@ -7,6 +7,7 @@
 #include <span>
 
 #include "experiments/lab/quadrature.h"
+#include "renderer/base/check.h"
 #include "renderer/mis/factors.h"
 #include "renderer/mis/heuristics.h"
 #include "renderer/mis/optimal_weights.h"
@@ -170,6 +171,7 @@ std::vector<double> exact_alpha(const Problem& problem, const IndependentTechniq
             }
         },
         n_entries + n, problem.edges());
+    MISBENCH_CHECK(integrals.converged);  // all are bounded by f and the densities
     std::vector<double> totals;
     for (std::size_t j = 0; j < n_entries + n; ++j) totals.push_back(integrals.total(j));
     return solve_for_optimal(std::span(totals).first(n_entries), std::span(totals).last(n));

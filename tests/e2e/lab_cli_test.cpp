@@ -123,6 +123,7 @@ TEST_F(LabCliTest, ErrorsAreOneLineWithThePlace) {
     expect_error(lab({file("none.yaml")}), "none.yaml");
     expect_error(lab({}), "file");
     expect_error(lab({path, "--format", "pdf"}), "pdf");
+    expect_error(lab({path, "-o", file("tiny.png")}), ".svg only");
     expect_error(lab({path, "--set", "runs=-1"}), "runs");
     expect_error(lab({path, "--set", "weights.balance.heuristic=ballance"}),
                  "unknown MIS heuristic 'ballance'");

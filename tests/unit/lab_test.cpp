@@ -81,6 +81,7 @@ std::vector<Term> every_shape(const Domain& domain) {
             {Gaussian{-0.5, 0.4}, 3, {0.1, 1}},
             {Beta{domain, 2, 5}, 1, domain},
             {Beta{domain, 1, 1.5}, 1, domain},
+            {Beta{domain, 3000, 1000}, 1, domain},
             {Table{{-0.5, 0.2, 0.7, 0.9}, {1, 0, 4, 0.5}}, 1, domain}};
 }
 
@@ -353,6 +354,8 @@ TEST(LabFile, ErrorsNameThePlaceInOneLine) {
         {"problems.p.techniques.one.density={shape: linear, from: -1, to: 1}", "below 0"},
         {"problems.p.techniques.one.density={shape: uniform, weight: 0}", "above 0 somewhere"},
         {"problems.p.techniques.one.samples=0", "samples"},
+        {"problems.p.techniques.one={density: {shape: uniform}, samples: 64, layout: stratified}",
+         "at most 64 techniques and strata"},
         {"problems.p.techniques.one.layout=shared", "which requires it"},
         {"problems.p.techniques.one.layout=sobol", "unknown layout 'sobol'; known: independent"},
         {"problems.p.expect=[{claim: x}]", "has one of: less equal less_weight negative"},
