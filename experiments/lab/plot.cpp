@@ -182,7 +182,7 @@ std::string bars(const Case& of, const CaseOutcome& outcome, double left, double
         svg += text_at(zero - 5, y + 0.75 * step, of.weightings[i].name,
                        "class=\"label\" text-anchor=\"end\"");
         const std::optional<double>& ratio = outcome.outcomes[i].error_ratio;
-        if (!ratio) continue;
+        if (!ratio || std::isnan(*ratio)) continue;
         const double length = scale * std::clamp(*ratio, 0.0, kMostRatio);
         svg += fmt::format(
             "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "

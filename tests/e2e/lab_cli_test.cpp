@@ -121,6 +121,7 @@ TEST_F(LabCliTest, HasEveryNumberAsJsonAndCsv) {
 TEST_F(LabCliTest, ErrorsAreOneLineWithThePlace) {
     const std::string path = folder_.write("tiny.yaml", kFile);
     expect_error(lab({file("none.yaml")}), "none.yaml");
+    EXPECT_THAT(lab({"--help"}).out, HasSubstr("Usage"));
     expect_error(lab({}), "file");
     expect_error(lab({path, "--format", "pdf"}), "pdf");
     expect_error(lab({path, "-o", file("tiny.png")}), ".svg only");
