@@ -21,13 +21,18 @@ const std::vector<SceneListing>& scenes() {
     return kListed;
 }
 
+// Lamps that are seen, smaller than a pixel and far brighter than all else, drown the rest of the
+// image in their noise. Paths of one edge are the same by all estimators.
+int fewest_edges(const std::string& scene) { return scene == "veach-mis" ? 2 : 1; }
+
 class EverySceneOfThePack : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(EverySceneOfThePack, LooksTheSameByAllEstimators) {
     const SceneListing& listing = scenes()[GetParam()];
     const LoadedScene loaded = load_scene(listing.file, 2);
     test::expect_agreement(
-        *loaded.scene, {.lengths = {1, 6}, .width = 48, .height = 32, .samples = 6},
+        *loaded.scene,
+        {.lengths = {fewest_edges(listing.name), 6}, .width = 48, .height = 32, .samples = 6},
         {.scene = listing.name,
          .n_seeds = kSeeds,
          .false_discovery_rate = test::sidak(kAlpha, static_cast<int>(scenes().size()))},

@@ -15,6 +15,13 @@ namespace {
 
 constexpr auto kEverywhere = [](const SceneTraits&, PathLengths) { return Coverage::Everywhere; };
 constexpr auto kSmoothFirst = [](const SceneTraits&, PathLengths) { return Coverage::SmoothFirst; };
+// Light tracing alone.
+constexpr auto kLightPaths = [](const SceneTraits& scene, PathLengths) {
+    return scene.narrow_view ? Coverage::Nowhere : Coverage::SmoothFirst;
+};
+constexpr auto kUniformLightPaths = [](const SceneTraits& scene, PathLengths lengths) {
+    return scene.many_lights ? Coverage::Nowhere : kLightPaths(scene, lengths);
+};
 
 // Light of point, spot and directional lights that a delta vertex x_{n-1} sends on, n > 2: neither
 // next event estimation nor a camera path finds it.
@@ -81,11 +88,9 @@ std::vector<EstimatorRow> unidirectional_rows() {
          .method = "direct",
          .parameters = {{"light_samples", n(0)}, {"bsdf_samples", n(2)}},
          .coverage = kDirect<decltype(kNoDeltaLights)>},
-        {"light", "light", {}, kSmoothFirst},
-        {"light_roulette",
-         "light",
-         {{"rr_depth", n(1)}, {"light_paths", 0.3}, {"light_selection", text("uniform")}},
-         kSmoothFirst},
+        {"light", "light", {}, kLightPaths},
+        {"light_roulette", "light", {{"rr_depth", n(1)}, {"light_paths", 0.3}}, kLightPaths},
+        {"light_uniform", "light", {{"light_selection", text("uniform")}}, kUniformLightPaths},
     };
 }
 
@@ -128,7 +133,7 @@ std::vector<EstimatorRow> bdpt_rows() {
          .parameters = only("hit"),
          .coverage = kNoDeltaLights},
         {"bdpt_only_nee", "bdpt", only("nee"), kLastIsSmooth},
-        {"bdpt_only_light", "bdpt", only("light"), kSmoothFirst},
+        {"bdpt_only_light", "bdpt", only("light"), kLightPaths},
         {"bdpt_only_connect", "bdpt", only("connect"), kThreeSmoothEdges},
     };
     for (const MisHeuristic& heuristic : heuristics()) {
@@ -229,6 +234,7 @@ Image image_of(const Scene& scene, const EstimatorRow& row, const ImageRequest& 
 constexpr double kNarrow = 100;
 // Rays meet lamps in less than this part of directions: they are like points.
 constexpr double kHardly = 0.02;
+constexpr std::size_t kManyLights = 16;
 
 bool is_narrow(const Material& material) {
     for (std::uint32_t i = 0; i < 256; ++i) {
@@ -270,6 +276,22 @@ double chance_of_light(const Scene& scene) {
         }
     }
     return n_points > 0 ? static_cast<double>(n_lit) / n_points : 0;
+}
+
+// What the camera sees of surfaces, as a part of the disk through which light comes from outside.
+double part_in_view(const Scene& scene) {
+    constexpr std::uint32_t kSide = 64;
+    const Camera camera(scene.camera(), kSide, kSide);
+    double area = 0;
+    for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
+        const Vec2 film = {static_cast<float>(i % kSide), static_cast<float>(i / kSide)};
+        const Ray ray = camera.ray(film, {0.5F, 0.5F});
+        const auto point = scene.closest(ray);
+        if (!point) continue;
+        // A pixel's solid angle times the squared distance: across the view.
+        area += squared_length(point->position - ray.origin) / camera.pdf_direction(ray.direction);
+    }
+    return area / (M_PI * double{scene.radius()} * double{scene.radius()});
 }
 
 // The pixels in which no camera ray, of many, meets a surface with such a lobe, and whose
@@ -330,6 +352,8 @@ SceneTraits traits(const Scene& scene) {
                     [](const SurfaceMaterial& material) { return is_narrow(material); });
     result.delta_lobes = result.narrow_lobes || scene.features().delta_lobes;
     result.delta_lights = scene.features().delta_lights || chance_of_light(scene) < kHardly;
+    result.many_lights = scene.lights().size() > kManyLights;
+    result.narrow_view = scene.features().environment && part_in_view(scene) < kHardly;
     return result;
 }
 

@@ -36,6 +36,8 @@ struct SceneTraits {
     bool delta_lobes = false;   // or narrow ones
     bool narrow_lobes = false;  // which are not delta lobes
     bool delta_lights = false;  // or lamps that rays hardly meet
+    bool many_lights = false;   // so many that each is hardly ever one chosen among all alike
+    bool narrow_view = false;   // light from far outside hardly ever falls where the camera looks
 };
 SceneTraits traits(const Scene& scene);
 
