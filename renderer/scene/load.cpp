@@ -9,6 +9,7 @@
 
 #include "renderer/base/error.h"
 #include "renderer/base/files.h"
+#include "renderer/base/parameters.h"
 #include "renderer/base/sha256.h"
 #include "renderer/scene/mitsuba/import.h"
 #include "renderer/scene/scene.h"
@@ -102,6 +103,23 @@ std::string scene_name(const fs::path& relative) {
     return (speaks_for_folder ? name.parent_path() : name).generic_string();
 }
 
+// Farther out Embree ends the process: products of coordinates must be finite in single precision.
+constexpr float kFarthest = 0x1p56F;
+
+void require_reach(const SceneDescription& description, const fs::path& file) {
+    for (const Mesh& mesh : description.meshes) {
+        for (const Vec3 p : mesh.positions) {
+            const float reach = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+            if (reach <= kFarthest) continue;
+            throw Error(Errc::InvalidArgument, "scene '" + file.string() + "': mesh '" + mesh.name +
+                                                   "' reaches " +
+                                                   to_string(ParameterValue(double{reach})) +
+                                                   " from the origin; known: up to " +
+                                                   to_string(ParameterValue(double{kFarthest})));
+        }
+    }
+}
+
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
@@ -125,7 +143,11 @@ std::string scene_content_hash(const fs::path& file) {
     return hash.hex();
 }
 
-SceneDescription import_scene(const fs::path& file) { return format_of(file).import(file); }
+SceneDescription import_scene(const fs::path& file) {
+    SceneDescription description = format_of(file).import(file);
+    require_reach(description, file);
+    return description;
+}
 
 LoadedScene build_scene(SceneDescription description, int build_threads,
                         const SceneFeatures& assumed) {

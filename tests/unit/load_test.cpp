@@ -72,6 +72,19 @@ TEST(Scenes, KeepAllOfTheirPathWhereTheyWouldShareAName) {
     EXPECT_THAT(names, ElementsAre("A/A.json", "A/B.v2", "A/scene.xml"));
 }
 
+TEST(Scenes, TooLargeForSinglePrecisionAreRefused) {
+    const TemporaryFolder folder;
+    const fs::path file = folder.write("far.xml", R"(<scene version="3.0.0">
+        <sensor type="perspective"/>
+        <shape type="rectangle">
+            <transform name="to_world"><scale value="1e17"/></transform>
+        </shape>
+    </scene>)");
+    EXPECT_THAT(
+        [&] { load_scene(file, 1); },
+        ThrowsMessage<Error>(AllOf(HasSubstr("far.xml': mesh '"), HasSubstr("known: up to"))));
+}
+
 TEST(Scenes, OfAnUnknownFormatAreRefusedWithTheKnownOnes) {
     const TemporaryFolder folder;
     const fs::path file = folder.write("scene.pbrt", "");
