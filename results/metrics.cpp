@@ -25,6 +25,10 @@ struct Channel {
         const double reference = 0.5 * (a + b);
         return squared_error() / (reference * reference + kEpsilon);
     }
+    // grittmann2019 section 6 divides by the reference, not by its square.
+    double squared_error_over_reference() const {
+        return squared_error() / (0.5 * (a + b) + kEpsilon);
+    }
 };
 
 // Mean over the channels, for each pixel in order.
@@ -76,6 +80,10 @@ double relmse_trimmed(const Image& image, const ReferencePair& reference) {
                         static_cast<std::size_t>(kTrimmed * static_cast<double>(errors.size())));
 }
 
+double mrse(const Image& image, const ReferencePair& reference) {
+    return mean_of(pixel_errors(image, reference, &Channel::squared_error_over_reference));
+}
+
 double mse(const Image& image, const ReferencePair& reference) {
     return mean_of(pixel_errors(image, reference, &Channel::squared_error));
 }
@@ -93,6 +101,8 @@ constexpr std::array kMetrics{
     Metric{"relmse.eps0.01.trim0.001",
            "the same without the 0.1 % largest pixels: biased low, never the only one", true,
            relmse_trimmed},
+    Metric{"mrse.eps0.01", "mean of (I-r1)(I-r2) / (R + 0.01), as grittmann2019 has it", true,
+           mrse},
     Metric{"mse", "mean of (I-r1)(I-r2)", true, mse},
     Metric{"mean", "mean of I over pixels and channels", false, mean},
 };

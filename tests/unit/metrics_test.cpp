@@ -96,6 +96,7 @@ TEST(Metrics, HaveTheNumbersOfTheirFormulas) {
     EXPECT_DOUBLE_EQ(measure(find_metric("mse"), image, {a, b}), error);
     EXPECT_DOUBLE_EQ(measure(find_metric("relmse.eps0.01"), image, {a, b}),
                      error / (0.75 * 0.75 + 0.01));
+    EXPECT_DOUBLE_EQ(measure(find_metric("mrse.eps0.01"), image, {a, b}), error / (0.75 + 0.01));
     EXPECT_DOUBLE_EQ(measure(find_metric("mean"), image, {a, b}), 2);
 }
 
@@ -153,7 +154,7 @@ TEST(Metrics, UnknownIdIsAnErrorThatListsTheKnown) {
     } catch (const ParameterError& e) {
         EXPECT_STREQ(e.what(),
                      "unknown metric 'relmse'; known: relmse.eps0.01 relmse.eps0.01.trim0.001 "
-                     "mse mean");
+                     "mrse.eps0.01 mse mean");
     }
 }
 
