@@ -22,6 +22,12 @@ void fields(MaybeConst<RenderStatistics> auto& statistics, auto&& field) {
     field("build_seconds", statistics.build_seconds);
     field("wall_seconds", statistics.wall_seconds);
     field("cpu_seconds", statistics.cpu_seconds);
+    field("training_passes", statistics.training_passes);
+    field("training_wall_seconds", statistics.training_wall_seconds);
+    field("training_cpu_seconds", statistics.training_cpu_seconds);
+    field("precomputed_passes", statistics.precomputed_passes);
+    field("precomputed_wall_seconds", statistics.precomputed_wall_seconds);
+    field("precomputed_cpu_seconds", statistics.precomputed_cpu_seconds);
     field("discarded_wall_seconds", statistics.discarded_wall_seconds);
     field("discarded_cpu_seconds", statistics.discarded_cpu_seconds);
     field("rays", statistics.rays);

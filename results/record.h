@@ -23,7 +23,7 @@ struct Provenance {
 };
 
 struct Record {
-    static constexpr int kFormat = 1;
+    static constexpr int kFormat = 2;
 
     std::string run;  // = task_id(task)
     Task task;

@@ -2,6 +2,12 @@ misbench_test(heuristics_test unit misbench_renderer)
 misbench_test(optimal_weights_test unit misbench_renderer)
 misbench_test(path_densities_test unit misbench_renderer)
 misbench_test(path_weights_test unit misbench_renderer)
+misbench_test(correlation_test unit misbench_renderer)
+misbench_test(variance_factors_test unit misbench_renderer)
+misbench_test(correction_test unit misbench_renderer)
+misbench_test(filters_test unit misbench_renderer)
+misbench_test(weighting_test unit misbench_renderer)
+misbench_test(learning_passes_test unit misbench_renderer)
 misbench_test(light_sampler_test unit misbench_renderer)
 misbench_test(photon_map_test unit misbench_renderer)
 misbench_test(scene_test unit misbench_renderer)
@@ -32,6 +38,8 @@ target_compile_definitions(extremes_bidirectional_test PRIVATE
   MISBENCH_EXTREMES="${CMAKE_SOURCE_DIR}/experiments/extremes")
 misbench_test(self_intersection_test stat misbench_extremes)
 misbench_test(merging_test stat misbench_renderer Boost::boost)
+misbench_test(correction_moments_test stat misbench_renderer Boost::boost)
+misbench_test(weights_extremes_test stat misbench_renderer Boost::boost)
 misbench_test(camera_test stat misbench_renderer Boost::boost)
 
 # What a full path's densities are, from its vertices alone.
@@ -46,7 +54,7 @@ misbench_test(image_agreement_test stat misbench_agreement)
 misbench_test(methods_agree_test stat misbench_agreement)
 misbench_test(methods_agree_on_scenes_test slow misbench_agreement)
 
-foreach(test bidirectional_test load_test inspect_test render_loop_test
+foreach(test bidirectional_test correction_moments_test load_test inspect_test render_loop_test
     path_densities_on_scenes_test methods_agree_on_scenes_test)
   target_compile_definitions(${test} PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
 endforeach()

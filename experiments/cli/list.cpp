@@ -8,6 +8,7 @@
 #include "experiments/scene_lookup.h"
 #include "renderer/methods/catalogue.h"
 #include "renderer/mis/heuristics.h"
+#include "renderer/weights/parameters.h"
 #include "results/metrics.h"
 
 namespace misbench {
@@ -57,6 +58,15 @@ void list_heuristics(Json& json, std::string& text) {
     text = align(rows);
 }
 
+void list_factors(Json& json, std::string& text) {
+    Rows rows;
+    for (const FactorInfo& factor : factor_infos()) {
+        json.push_back({{"name", factor.name}, {"summary", factor.summary}});
+        rows.push_back({std::string(factor.name), std::string(factor.summary)});
+    }
+    text = align(rows);
+}
+
 void list_metrics(Json& json, std::string& text) {
     Rows rows;
     for (const Metric& metric : metrics()) {
@@ -85,6 +95,7 @@ int list_verb(const ListOptions& options) {
     std::string text;
     if (options.what == "methods") list_methods(json, text);
     if (options.what == "heuristics") list_heuristics(json, text);
+    if (options.what == "factors") list_factors(json, text);
     if (options.what == "metrics") list_metrics(json, text);
     if (options.what == "scenes") list_scene_files(options.scenes, json, text);
     print_result(options.json ? json.dump(2) + "\n" : text);

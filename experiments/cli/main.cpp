@@ -47,9 +47,9 @@ void add_list(CLI::App& app, Chosen& chosen) {
     const auto options = std::make_shared<ListOptions>();
     CLI::App& verb = add_verb(app, "list", "show what can be written in an experiment", list_verb,
                               options, chosen);
-    verb.add_option("what", options->what, "methods, heuristics, metrics or scenes")
+    verb.add_option("what", options->what, "methods, heuristics, factors, metrics or scenes")
         ->required()
-        ->check(CLI::IsMember({"methods", "heuristics", "metrics", "scenes"}));
+        ->check(CLI::IsMember({"methods", "heuristics", "factors", "metrics", "scenes"}));
     verb.add_flag("--json", options->json, "as JSON");
     add_scenes(verb, options->scenes);
 }
@@ -101,6 +101,9 @@ void add_render(CLI::App& app, Chosen& chosen) {
             "technique) beside the image; or .png, a row a path length, a column a "
             "technique, weighted above unweighted; prints each one's part of the image")
         ->needs(samples);
+    verb.add_option("--factors", options->factors,
+                    "also the factors that the method learned, by pixel: .exr with layers such as "
+                    "correction.merge");
     verb.add_flag("--json", options->json, "write the run's record to stdout");
 }
 

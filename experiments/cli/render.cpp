@@ -1,7 +1,9 @@
 // misbench render: one image, without experiment, store or queue.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 
 #include "experiments/cli/estimate.h"
@@ -20,11 +22,14 @@ namespace {
     throw Error(Errc::InvalidArgument, message);
 }
 
-void require_known_extension(const std::string& file) {
+void require_extension(const std::string& file, std::initializer_list<const char*> known) {
     const std::string extension = std::filesystem::path(file).extension();
-    if (extension != ".exr" && extension != ".png") {
-        fail_usage("write '" + file + "': unknown extension; known: .exr .png");
+    std::string names;
+    for (const char* name : known) {
+        if (extension == name) return;
+        names.append(" ").append(name);
     }
+    fail_usage("write '" + file + "': unknown extension; known:" + names);
 }
 
 Budget parse_budget(const RenderOptions& options) {
@@ -63,6 +68,26 @@ void write_techniques(const RenderOptions& options, const TechniqueImages& sums,
         write_file_durably(output, pyramid_png(techniques, options.exposure));
     }
     if (!options.json) print_result(pyramid_text(result.image, techniques));
+}
+
+// A factor's image has one value for all channels.
+void write_factors(const RenderOptions& options, const RenderResult& result) {
+    if (result.maps.empty()) {
+        fail_usage("write '" + options.factors + "': the method learned no factors");
+    }
+    std::vector<ImageLayer> layers;
+    std::vector<std::vector<std::string>> rows{{"factor", "mean", "least", "largest"}};
+    for (const NamedImage& map : result.maps) {
+        layers.push_back({map.name, &map.image});
+        const std::vector<float>& values = map.image.rgb;
+        const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+        double sum = 0;
+        for (const float value : values) sum += double{value};
+        rows.push_back({map.name, fmt::format("{:.4g}", sum / static_cast<double>(values.size())),
+                        fmt::format("{:.4g}", *least), fmt::format("{:.4g}", *largest)});
+    }
+    write_exr_layers(options.factors, layers);
+    if (!options.json) print_result(align(rows));
 }
 
 // The record as a worker would write it, without what only a worker knows.
@@ -109,8 +134,9 @@ std::string why_invalid(const RenderStatistics& s) {
 }  // namespace
 
 int render_verb(const RenderOptions& options) {
-    require_known_extension(options.output);
-    if (!options.techniques.empty()) require_known_extension(options.techniques);
+    require_extension(options.output, {".exr", ".png"});
+    if (!options.techniques.empty()) require_extension(options.techniques, {".exr", ".png"});
+    if (!options.factors.empty()) require_extension(options.factors, {".exr"});
     const auto [task, loaded] = load_estimate(options.estimate, parse_budget(options));
     RenderRequest request = request_of(task, options.estimate.threads);
     std::optional<TechniqueImages> techniques;
@@ -122,6 +148,7 @@ int render_verb(const RenderOptions& options) {
     result.statistics.build_seconds = loaded.build_seconds;
     write_image(options, result.image, task);
     if (techniques) write_techniques(options, *techniques, result);
+    if (!options.factors.empty()) write_factors(options, result);
     print_summary(options, task.budget, result);
     if (options.json) print_result(record_of(task, result));
     if (result.valid) return 0;

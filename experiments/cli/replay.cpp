@@ -90,7 +90,7 @@ Replay replay_of_run(const ReplayOptions& options) {
     const std::optional<SamplePlace>& bad = record.statistics.first_bad_sample;
     Replay replay{.run = record.run,
                   .estimate = {.task = record.task, .loaded = {}},
-                  .n_passes = record.statistics.passes,
+                  .n_passes = record.statistics.passes + record.statistics.training_passes,
                   .pixel = {},
                   .pass = options.sample.value_or(0)};
     Task& task = replay.estimate.task;
@@ -157,8 +157,7 @@ int replay_verb(const ReplayOptions& options) {
     const auto& [task, loaded] = replay.estimate;
     PixelTrace trace(replay.pixel);
     RenderRequest request = request_of(task, options.estimate.threads);
-    request.budget = SampleBudget{1};
-    request.first_pass = replay.pass;
+    request.only_pass = replay.pass;
     request.observer = &trace;
     const RenderResult result = render(*loaded.scene, request);
 

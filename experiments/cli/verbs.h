@@ -17,7 +17,7 @@ inline constexpr int kExitUsage = 2;
 inline constexpr int kExitInterrupted = 130;
 
 struct ListOptions {
-    std::string what;    // methods, heuristics, metrics, scenes
+    std::string what;    // methods, heuristics, factors, metrics, scenes
     std::string scenes;  // folder, "" for the default
     bool json = false;
 };
@@ -42,6 +42,7 @@ struct RenderOptions {
     std::string output;  // .exr or .png
     double exposure = 0;
     std::string techniques;  // .exr or .png, "" for none; only with samples
+    std::string factors;     // .exr, "" for none
     bool json = false;
 };
 int render_verb(const RenderOptions& options);

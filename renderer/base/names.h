@@ -1,7 +1,9 @@
 // Tables whose rows have a name, and the one way to look a name up.
 #pragma once
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "renderer/base/error.h"
 
@@ -16,6 +18,17 @@ std::string known_names(const Rows& rows) {
         known += row.name;
     }
     return known;
+}
+
+// The parts of "a+b+c".
+inline std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(separator, begin), text.size());
+        parts.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return parts;
 }
 
 // The row of that name. Throws ParameterError(key, "unknown <what> '<name>'; known: …").

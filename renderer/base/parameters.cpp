@@ -2,9 +2,17 @@
 
 #include <nlohmann/json.hpp>
 
-#include "renderer/base/error.h"
-
 namespace misbench {
+
+void check_choice(const std::string& name, const std::string& value,
+                  std::initializer_list<const char*> known) {
+    std::string list;
+    for (const char* choice : known) {
+        if (value == choice) return;
+        list.append(" ").append(choice);
+    }
+    throw ParameterError(name, name + " is '" + value + "'; known:" + list);
+}
 
 nlohmann::json parameters_to_json(const ParameterMap& parameters) {
     nlohmann::json json = nlohmann::json::object();

@@ -27,10 +27,18 @@ struct SamplePlace {
 struct RenderStatistics {
     std::int64_t passes = 0;  // completed and counted passes = samples a pixel
     int threads = 0;
-    double load_seconds = 0;            // wall: scene file to description
-    double build_seconds = 0;           // wall: BVH and light tables
-    double wall_seconds = 0;            // counted passes, steady clock
-    double cpu_seconds = 0;             // counted passes, summed over the render threads
+    double load_seconds = 0;   // wall: scene file to description
+    double build_seconds = 0;  // wall: BVH and light tables
+    double wall_seconds = 0;   // counted passes, steady clock
+    double cpu_seconds = 0;    // counted passes, summed over the render threads
+    // Passes that trained the method, in the image or not; a part of the counted seconds above.
+    std::int64_t training_passes = 0;
+    double training_wall_seconds = 0;
+    double training_cpu_seconds = 0;
+    // The same before the image was begun, outside of the budget and of all other numbers.
+    std::int64_t precomputed_passes = 0;
+    double precomputed_wall_seconds = 0;
+    double precomputed_cpu_seconds = 0;
     double discarded_wall_seconds = 0;  // the pass in flight when the time budget ended
     double discarded_cpu_seconds = 0;
     std::int64_t rays = 0;  // closest-hit and shadow rays of counted passes

@@ -24,6 +24,11 @@ struct Image {
     bool operator==(const Image&) const = default;
 };
 
+struct NamedImage {
+    std::string name;
+    Image image;
+};
+
 // Float RGB, uncompressed (Monte Carlo noise does not compress), with string attributes in the
 // header; written whole or not at all. write_exr throws DataLoss, read_exr NotFound or DataLoss,
 // both naming the file.

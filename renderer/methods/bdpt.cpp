@@ -47,6 +47,6 @@ std::string limits(const SceneFeatures& scene) {
 }  // namespace
 
 const MethodInfo kBdpt =
-    bidirectional_info<BdptParameters>("bdpt", "bidirectional path tracing", 1, limits);
+    bidirectional_info<BdptParameters>("bdpt", "bidirectional path tracing", 2, limits);
 
 }  // namespace misbench

@@ -34,11 +34,10 @@ constexpr std::int64_t kSplatChunkSize = 256;
 class Bidirectional final : public Method {
  public:
     explicit Bidirectional(const BidirectionalOptions& options)
-        : options_(options), weights_(Heuristic::parse(options.mis), options.precision) {}
+        : options_(options), weights_(options.weights, options.precision) {}
 
     bool attach(SampleObserver& observer) override {
-        observer_ = &observer;
-        wants_zeros_ = observer.wants_zeros();
+        weights_.attach(observer);
         return true;
     }
 
@@ -53,15 +52,24 @@ class Bidirectional final : public Method {
         }
         merges_ = options_.merge && n_light_paths_ > 0;
         goes_on_ = options_.hit || options_.shadow_rays > 0 || options_.connect || options_.merge;
+        weights_.start(scene, frame);
     }
 
+    Forgotten finish_pass(ThreadPool& threads) override { return weights_.finish_pass(threads); }
+    std::int64_t n_precomputed_passes() const override { return weights_.n_precomputed_passes(); }
+    bool is_training() const override { return weights_.is_training(); }
+    bool learns() const override { return weights_.learns(); }
+    std::vector<NamedImage> maps() const override { return weights_.maps(); }
+
     void pass(PassContext& context) override {
+        weights_.start_pass();
         specialize(context.scene(), [&]<bool kPlain>() {
             light_paths_->trace<kPlain>(context, n_light_paths_,
                                         {options_.max_depth - 1, options_.rr_depth});
             if (!context.complete()) return;
             count_techniques();
-            shrink_ = std::pow(static_cast<double>(context.pass() + 1), options_.radius_shrink - 1);
+            const std::int64_t i = context.is_precomputed() ? 1 : context.pass() + 1;
+            shrink_ = std::pow(static_cast<double>(i), options_.radius_shrink - 1);
             if (counts_.light > 0) splat_light_paths<kPlain>(context);
             if (merges_) build_photon_map(context);
             estimate_pixels<kPlain>(context);
@@ -72,6 +80,7 @@ class Bidirectional final : public Method {
     void describe(nlohmann::json& json) const override {
         json["light_paths"] = n_light_paths_;
         json["light_vertices"] = light_paths_->vertices().size();  // of the last pass
+        weights_.describe(json);
     }
 
  private:
@@ -116,19 +125,9 @@ class Bidirectional final : public Method {
     // The weighted contribution of one sample: scale · value is what it would be with weight 1.
     Rgb weighted(const PathView& path, Technique technique, Rgb value, double scale,
                  std::size_t chunk, Scratch& scratch) const {
-        const PathWeights::Weight weight =
-            has_alternatives(technique) ? weights_.weigh(path, counts_, technique, scratch.weights)
-                                        : PathWeights::Weight{.w = 1};
-        if (observer_ != nullptr) [[unlikely]] {
-            observer_->observe({.path = path,
-                                .technique = technique,
-                                .value = static_cast<float>(scale) * value,
-                                .weight = weight.w,
-                                .q = weight.q,
-                                .factors = weight.factors},
-                               chunk);
-        }
-        return static_cast<float>(weight.w * scale) * value;
+        const double w = weights_.weigh(path, counts_, technique, has_alternatives(technique),
+                                        value, scale, chunk, scratch.weights);
+        return static_cast<float>(w * scale) * value;
     }
     void add(Walk& walk, std::span<const LightVertex> light, Technique technique, Rgb value,
              double scale) const {
@@ -154,7 +153,7 @@ class Bidirectional final : public Method {
     template <bool kPlain>
     void splat_light_paths(PassContext& context) {
         const std::size_t n_chunks = PassContext::n_chunks(n_light_paths_, kSplatChunkSize);
-        if (observer_ != nullptr) observer_->start_phase(n_chunks);
+        weights_.start_phase(n_chunks);
         context.for_each_chunk(n_light_paths_, kSplatChunkSize, [&](PassContext::Chunk& chunk) {
             ScratchPool::Lease lease(scratch_);
             (*lease).camera.clear();
@@ -174,7 +173,7 @@ class Bidirectional final : public Method {
                 }
             }
         });
-        if (observer_ != nullptr) observer_->finish_phase();
+        weights_.finish_phase();
     }
 
     template <bool kPlain>
@@ -185,7 +184,7 @@ class Bidirectional final : public Method {
         const BasicBsdf<!kPlain> bsdf(*scene_, y.point, y.wo, Transport::Importance);
         const BsdfValue f = bsdf.evaluate(-view.w);
         const bool carries = !(f.f_cos == Rgb{}) && chunk.tracer.visible(y.point, view.position);
-        if (!carries && !wants_zeros_) return;
+        if (!carries && !weights_.wants_zeros()) return;
 
         // Put the full path together: x_1 is y_j.
         const auto j = light.size() - 1;
@@ -227,7 +226,7 @@ class Bidirectional final : public Method {
             ScratchPool::Lease lease;
             std::size_t chunk;
         };
-        if (observer_ != nullptr) observer_->start_phase(context.n_tiles());
+        weights_.start_phase(context.n_tiles());
         context.for_each_pixel(
             [this](std::size_t chunk) {
                 return State{ScratchPool::Lease(scratch_), chunk};
@@ -247,7 +246,7 @@ class Bidirectional final : public Method {
                     1);
                 return walk.sum;
             });
-        if (observer_ != nullptr) observer_->finish_phase();
+        weights_.finish_phase();
     }
 
     // Follows a camera path from edge k on.
@@ -406,7 +405,7 @@ class Bidirectional final : public Method {
         if (!light) return;
         const BsdfValue f = bsdf.evaluate(light->wi);
         const bool carries = !(f.f_cos == Rgb{}) && walk.tracer.visible<kPlain>(x.point, *light);
-        if (!carries && !wants_zeros_) return;
+        if (!carries && !weights_.wants_zeros()) return;
 
         PathDensities& d = scratch.densities;
         const std::size_t n = scratch.camera.size() + 1;
@@ -488,12 +487,12 @@ class Bidirectional final : public Method {
         if (d2 == 0) return;
         const Vec3 w = static_cast<float>(1 / std::sqrt(d2)) * edge;
         const BsdfValue f_x = bsdf.evaluate(w);
-        if (f_x.f_cos == Rgb{} && !wants_zeros_) return;
+        if (f_x.f_cos == Rgb{} && !weights_.wants_zeros()) return;
         const BasicBsdf<!kPlain> bsdf_y(*scene_, y.point, y.wo, Transport::Importance);
         const BsdfValue f_y = bsdf_y.evaluate(-w);
         const bool carries =
             !(f_x.f_cos == Rgb{}) && !(f_y.f_cos == Rgb{}) && walk.tracer.visible(x.point, y.point);
-        if (!carries && !wants_zeros_) return;
+        if (!carries && !weights_.wants_zeros()) return;
 
         // Put the full path together: x_{k+1} is y_j.
         const std::span<const LightVertex> light = light_path_to(y);
@@ -567,9 +566,7 @@ class Bidirectional final : public Method {
     }
 
     BidirectionalOptions options_;
-    PathWeights weights_;
-    SampleObserver* observer_ = nullptr;
-    bool wants_zeros_ = false;
+    Weighting weights_;
     const Scene* scene_ = nullptr;
     std::int64_t n_light_paths_ = 0;
     bool merges_ = false;

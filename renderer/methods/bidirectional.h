@@ -8,7 +8,7 @@
 #include <string>
 
 #include "renderer/methods/parameters_of.h"
-#include "renderer/paths/path_weights.h"
+#include "renderer/weights/weighting.h"
 
 namespace misbench {
 
@@ -42,7 +42,7 @@ struct BidirectionalOptions {
     // and goes on from there by a delta lobe only. The other techniques are for paths without such
     // a vertex.
     bool merge_ends_path = false;
-    std::string mis = "balance";
+    WeightParameters weights = {};
     std::string light_selection = "power";
     DensityPrecision precision = DensityPrecision::Double;
 };

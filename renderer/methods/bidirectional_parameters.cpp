@@ -36,14 +36,6 @@ auto choose(const Choices& choices, const char* parameter, const std::string& na
     throw ParameterError(parameter, std::string(parameter) + " is '" + name + "'; known:" + known);
 }
 
-template <class T>
-void check_range(const char* name, T value, T low, T high) {
-    if (value >= low && value <= high) return;
-    throw ParameterError(name, std::string(name) + " must lie between " +
-                                   to_string(ParameterValue(low)) + " and " +
-                                   to_string(ParameterValue(high)));
-}
-
 }  // namespace
 
 void PathLengthParameters::check() const {
@@ -70,7 +62,7 @@ void LightPathParameters::apply(BidirectionalOptions& options) const {
 }
 
 void ConnectionParameters::check() {
-    mis = Heuristic::parse(mis).canonical_name();
+    weights.check();
     choose(kPrecisions, "densities", densities);
     check_range("shadow_rays", shadow_rays, std::int64_t{1}, kMaxSamples);
     check_range("bsdf_samples", bsdf_samples, std::int64_t{1}, kMaxSamples);
@@ -90,7 +82,7 @@ void ConnectionParameters::apply(BidirectionalOptions& options) const {
     options.paired = choose(kPairings, "pairing", pairing);
     options.connections = connections;
     options.bsdf_samples = bsdf_samples;
-    options.mis = mis;
+    options.weights = weights;
     options.precision = choose(kPrecisions, "densities", densities);
 }
 

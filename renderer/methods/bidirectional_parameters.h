@@ -42,7 +42,7 @@ struct ConnectionParameters {
     double connections = 1;
     std::int64_t shadow_rays = 1;
     std::int64_t bsdf_samples = 1;
-    std::string mis = "balance";
+    WeightParameters weights;
     std::string densities = "double";
 
     static void fields(auto& self, auto&& field) {
@@ -58,7 +58,7 @@ struct ConnectionParameters {
         field("shadow_rays", self.shadow_rays, "light samples a camera vertex");
         field("bsdf_samples", self.bsdf_samples,
               "directions that a camera path goes on in at its first vertex");
-        field("mis", self.mis, "heuristic that combines all techniques");
+        WeightParameters::fields(self.weights, field);
         field("densities", self.densities,
               "type in which densities are multiplied: double, float (to measure what it costs)");
     }

@@ -9,12 +9,14 @@
 #include <vector>
 
 #include "renderer/base/parameters.h"
+#include "renderer/image/image.h"
 
 namespace misbench {
 
 class Scene;
 class PassContext;
 class SampleObserver;
+class ThreadPool;
 struct SceneFeatures;
 
 struct FrameInfo {
@@ -22,8 +24,11 @@ struct FrameInfo {
     int height = 0;
 };
 
-// What becomes of the passes rendered so far, this one included.
-enum class PassOutcome { Keep, Drop };
+// What is left out of the image of the passes rendered so far, this one included.
+struct Forgotten {
+    bool all = false;
+    std::vector<std::uint8_t> pixels = {};  // row by row, not 0: all of this pixel; empty: none
+};
 
 class Method {
  public:
@@ -34,12 +39,20 @@ class Method {
     virtual void pass(PassContext& context) = 0;
     // Serial, after a completed pass: filter, train, decide. The pass number never goes back, also
     // when the frame is dropped.
-    virtual PassOutcome finish_pass() { return PassOutcome::Keep; }
+    virtual Forgotten finish_pass(ThreadPool& /*threads*/) { return {}; }
+    // Passes that only train, before the image is begun and outside of the budget.
+    virtual std::int64_t n_precomputed_passes() const { return 0; }
+    // Whether the coming pass trains: its cost is recorded apart.
+    virtual bool is_training() const { return false; }
+    // Whether a pass depends on earlier ones.
+    virtual bool learns() const { return false; }
     // Before start(): every sample is shown to the observer, which outlives the method. False: the
     // method cannot show its samples.
     virtual bool attach(SampleObserver& observer);
     // What the method decided or counted, for the record. Adds keys to a JSON object.
     virtual void describe(nlohmann::json& json) const;
+    // What it learned, as images.
+    virtual std::vector<NamedImage> maps() const { return {}; }
 };
 
 struct ParameterInfo {

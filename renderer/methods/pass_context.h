@@ -101,7 +101,11 @@ class PassContext {
     const Camera& camera() const { return camera_; }
     FrameInfo frame() const { return frame_; }
     std::int64_t seed() const { return seed_; }
+    // Keys the random numbers; those of precomputed passes count from kFirstPrecomputed, so that
+    // the image's passes are the same with and without them.
     std::int64_t pass() const { return pass_; }
+    bool is_precomputed() const { return pass_ >= kFirstPrecomputed; }
+    static constexpr std::int64_t kFirstPrecomputed = std::int64_t{1} << 31;
     ThreadPool& threads() { return threads_; }
 
     // Estimates every pixel once: estimate(camera_sample, rng, tracer) -> Rgb. The chunks are tiles

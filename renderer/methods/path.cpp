@@ -68,7 +68,7 @@ class PathTracer final : public Method {
                                      .rr_depth = parameters_.rr_depth,
                                      .hit = true,
                                      .shadow_rays = parameters_.nee ? 1 : 0,
-                                     .mis = parameters_.mis,
+                                     .weights = {.mis = parameters_.mis},
                                      .light_selection = parameters_.light_selection});
         return shown_->attach(observer);
     }

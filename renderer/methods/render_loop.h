@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "renderer/base/budget.h"
 #include "renderer/base/parameters.h"
@@ -28,17 +30,18 @@ struct RenderRequest {
     std::function<bool()> abandon = {};
     // Sees every sample; null: none does. Refused by methods that do not show their samples.
     SampleObserver* observer = nullptr;
-    // The number of the first pass: later passes can be rendered again alone by methods that learn
-    // nothing from earlier ones.
-    std::int64_t first_pass = 0;
+    // The image of this pass alone, and its samples: earlier ones are rendered only where the
+    // method learns from them. The budget is not read.
+    std::optional<std::int64_t> only_pass = {};
 };
 
 struct RenderResult {
-    Image image;                  // the mean over the counted passes
-    RenderStatistics statistics;  // load_seconds and build_seconds are the caller's to fill
-    bool valid = true;            // RenderStatistics' counts against what the method declares
-    std::string description;      // what the method decided, as JSON text
-    bool abandoned = false;       // then nothing else is meaningful
+    Image image;                   // the mean over the counted passes
+    RenderStatistics statistics;   // load_seconds and build_seconds are the caller's to fill
+    bool valid = true;             // RenderStatistics' counts against what the method declares
+    std::string description;       // what the method decided, as JSON text
+    std::vector<NamedImage> maps;  // what it learned
+    bool abandoned = false;        // then nothing else is meaningful
 };
 
 // An equal-sample render gives the same bits for every number of threads. A time budget that ends

@@ -46,6 +46,6 @@ struct VcmParameters {
 }  // namespace
 
 const MethodInfo kVcm = bidirectional_info<VcmParameters>(
-    "vcm", "vertex connection and merging, biased by the radius", 1, limits_of_merging);
+    "vcm", "vertex connection and merging, biased by the radius", 2, limits_of_merging);
 
 }  // namespace misbench

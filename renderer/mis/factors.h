@@ -4,16 +4,20 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 
 namespace misbench {
 
-// v_t = μ_{2,t} / σ_t² of a technique alone: its second moment over its variance, >= 1
-// (grittmann2019 Eq. 7); 1, the balance heuristic, where nothing was found or nothing is known.
+// v_t = μ_{2,t} / σ_t² of a technique alone: its second moment over its variance (grittmann2019 Eq.
+// 7). It is >= 1 where both are of the same estimate; where the moment is that of independent
+// samples (hua2025 Eq. 11) it is less for samples that are correlated. 1, the balance heuristic,
+// where nothing was found or nothing is known, and where either is beyond all numbers.
 inline double variance_factor(double second_moment, double variance) {
     const double v = second_moment / variance;
-    return second_moment > 0 && variance > 0 && v > 1 ? v : 1;
+    const bool is_known = second_moment > 0 && variance > 0 && std::isfinite(variance);
+    return is_known && std::isfinite(v) ? v : 1;
 }
 
 // c_t: how likely the samples of a group that share a prefix are independent, from the probability
@@ -24,10 +28,11 @@ inline double correlation_factor(double prefix, double suffix) {
 }
 
 // w_γ / w of a sample when a factor γ in front of a group of techniques is added to the weight that
-// it has: hua2025 Eq. 22. group_weight is the sum of the weights of the group's techniques for this
-// path, in_group whether the sample's is one of them.
-inline double corrected_weight_ratio(double gamma, bool in_group, double group_weight) {
-    return (in_group ? gamma : 1) / (1 + (gamma - 1) * group_weight);
+// it has: hua2025 Eq. 22. group and others are the sums of the weights of the group's techniques
+// and of all others for this path, in_group whether the sample's is one of the group. Exactly 1
+// where either sum is 0, so that candidates without a difference tie.
+inline double corrected_weight_ratio(double gamma, bool in_group, double group, double others) {
+    return (in_group ? gamma : 1) * (group + others) / (gamma * group + others);
 }
 
 // The candidate of the least moment: hua2025 section 4.2. Ties, no moments and moments that are not

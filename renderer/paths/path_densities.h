@@ -53,6 +53,13 @@ struct Technique {
 inline int n_techniques(int n_edges) { return n_edges < 2 ? 1 : 2 * n_edges; }
 Technique technique_at(int index, int n_edges);
 
+// Counts the techniques of all path lengths from 0, by path length, then by index: paths of up to n
+// edges have the keys below first_technique_key(n + 1).
+inline int first_technique_key(int n_edges) { return n_edges * (n_edges - 1); }
+inline int technique_key(int n_edges, Technique technique) {
+    return first_technique_key(n_edges) + technique.index(n_edges);
+}
+
 // Numbers of samples; 0 where a technique is off.
 struct TechniqueCounts {
     double hit = 1;      // of paths of more than one edge; those of one have no other technique

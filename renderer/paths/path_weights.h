@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "renderer/mis/heuristics.h"
-#include "renderer/paths/sample.h"
+#include "renderer/paths/factor_provider.h"
 
 namespace misbench {
 
@@ -20,42 +20,32 @@ class PathWeights {
         DensityScratch<double> in_double;
         DensityScratch<float> in_float;
         std::vector<double> factors;
-        std::vector<double> weighed;
+        std::vector<double> share_factors;
+        std::vector<double> weights;
     };
     struct Weight {
         double w = 0;
         std::span<const double> q{};
         std::span<const double> factors{};
+        std::span<const double> weights{};  // of all techniques
     };
 
     explicit PathWeights(Heuristic heuristic, DensityPrecision precision = DensityPrecision::Double)
         : heuristic_(heuristic), precision_(precision) {}
 
-    // Factors multiply in the order of their addition.
-    void add(std::shared_ptr<const FactorProvider> provider) {
-        providers_.push_back(std::move(provider));
-    }
+    // Factors of one place multiply in the order of their addition.
+    void add(std::shared_ptr<const FactorProvider> provider);
 
-    // 0 for a technique that cannot have made the path. The spans are valid until the scratch is
-    // used again.
+    // 0 for a technique that cannot have made the path; then there are no weights of others. The
+    // spans are valid until the scratch is used again.
     Weight weigh(const PathView& path, const TechniqueCounts& counts, Technique technique,
-                 Scratch& scratch) const {
-        const std::span<double> q =
-            precision_ == DensityPrecision::Double
-                ? effective_densities(*path.densities, counts, scratch.in_double)
-                : effective_densities(*path.densities, counts, scratch.in_float);
-        const auto s = static_cast<std::size_t>(technique.index(path.n_edges()));
-        if (!providers_.empty()) return weigh_with_factors(path, counts, q, s, scratch);
-        return {.w = q[s] == 0 ? 0 : heuristic_.weight(q, s), .q = q};
-    }
+                 Scratch& scratch) const;
 
  private:
-    Weight weigh_with_factors(const PathView& path, const TechniqueCounts& counts,
-                              std::span<const double> q, std::size_t s, Scratch& scratch) const;
-
     Heuristic heuristic_;
     DensityPrecision precision_;
-    std::vector<std::shared_ptr<const FactorProvider>> providers_;
+    std::vector<std::shared_ptr<const FactorProvider>> of_densities_;
+    std::vector<std::shared_ptr<const FactorProvider>> of_shares_;
 };
 
 }  // namespace misbench

@@ -1,5 +1,5 @@
-// The seam between the bidirectional methods and everything that weighs or watches their samples:
-// what a path shows of itself, one event a sample, factors in front of a heuristic.
+// The seam between methods and everything that weighs or watches their samples: what a path shows
+// of itself, and one event a sample.
 #pragma once
 
 #include <cstdint>
@@ -37,6 +37,11 @@ struct Pixel {
     int x = 0;
     int y = 0;
     bool operator==(const Pixel&) const = default;
+    // Row by row.
+    std::size_t index(int width) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(x);
+    }
 };
 
 // A full path x_0 … x_n. Valid during one event only.
@@ -69,6 +74,8 @@ struct Sample {
     // has but one technique for such paths.
     std::span<const double> q{};
     std::span<const double> factors{};  // c_t by index; empty: all are 1
+    // Of all techniques, by index: only where an observer wants them, and empty as q is.
+    std::span<const double> weights{};
 };
 
 // Receives every sample of a pass. A phase is a part of a pass whose work is cut into chunks that
@@ -82,19 +89,11 @@ class SampleObserver {
     // Whether samples without a contribution are wanted too: where next event estimation or a
     // connection found that the light is blocked or not scattered. Their paths are complete.
     virtual bool wants_zeros() const { return false; }
+    // Whether Sample::weights are.
+    virtual bool wants_weights() const { return false; }
     virtual void start_phase(std::size_t /*n_chunks*/) {}
     virtual void observe(const Sample& sample, std::size_t chunk) = 0;
     virtual void finish_phase() {}
-};
-
-// Factors c_t in front of a heuristic: w_s = heuristic(q ⊙ c)_s, q the effective densities. The
-// extended balance heuristic is grittmann2022 Eq. 2.
-class FactorProvider {
- public:
-    virtual ~FactorProvider() = default;
-    // Multiplies c_t > 0 into the factors, by index of technique. Called from many threads.
-    virtual void multiply(const PathView& path, const TechniqueCounts& counts,
-                          std::span<double> factors) const = 0;
 };
 
 }  // namespace misbench

@@ -4,15 +4,11 @@
 // [Vea97]  E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997.
 #pragma once
 
-#include <map>
-#include <memory>
-#include <mutex>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "renderer/image/image.h"
-#include "renderer/paths/sample.h"
+#include "renderer/paths/pixel_sums.h"
 
 namespace misbench {
 
@@ -33,39 +29,22 @@ struct TechniqueImage {
 // an image only for what had a sample.
 class TechniqueImages final : public SampleObserver {
  public:
-    TechniqueImages(int width, int height) : width_(width), height_(height) {}
+    TechniqueImages(int width, int height)
+        : width_(width), height_(height), sums_(Image(width, height).n_pixels(), kChannels) {}
 
-    void start_phase(std::size_t n_chunks) override;
+    void start_phase(std::size_t n_chunks) override { sums_.start_phase(n_chunks); }
     void observe(const Sample& sample, std::size_t chunk) override;
-    void finish_phase() override;
+    void finish_phase() override { sums_.finish_phase(); }
 
     // The means over so many passes, by path length, then by index of technique.
     std::vector<TechniqueImage> means(std::int64_t n_passes) const;
 
  private:
-    struct Sums {
-        std::vector<double> weighted;  // as Image::rgb
-        std::vector<double> unweighted;
-    };
-    struct Addition {
-        Sums* sums = nullptr;
-        std::size_t at = 0;  // of the pixel's red
-        Rgb value{};
-        double weight = 0;
-    };
-    struct Chunk {
-        std::unordered_map<int, Sums*> known;  // by key, so that each is locked for but once
-        std::vector<Addition> of_light_paths;
-    };
-
-    Sums& sums_of(int key, Chunk& chunk);
-    static void add(const Addition& addition);
+    static constexpr std::size_t kChannels = 6;  // weighted and unweighted, red, green and blue
 
     int width_;
     int height_;
-    std::mutex mutex_;                           // of sums_, not of what it points to
-    std::map<int, std::unique_ptr<Sums>> sums_;  // by key
-    std::vector<Chunk> chunks_;                  // of the phase
+    PixelSums<double> sums_;  // by technique_key()
 };
 
 }  // namespace misbench

@@ -103,6 +103,30 @@ ParameterMap only(const std::string& technique) {
     return parameters;
 }
 
+// Factors are learned from the first passes, whose samples the image keeps.
+ParameterMap with_factors(const char* factors, ParameterMap parameters) {
+    parameters["factors"] = text(factors);
+    // Pixels chosen by their samples are a bias, if a small one.
+    parameters["variance_keep"] = 1e30;
+    return parameters;
+}
+
+std::vector<EstimatorRow> bdpt_rows_with_factors() {
+    return {
+        {"bdpt_correlation", "bdpt", with_factors("correlation", {{"shadow_rays", n(4)}}),
+         kBidirectional},
+        {"bdpt_popov", "bdpt", with_factors("popov", {{"shadow_rays", n(4)}}), kBidirectional},
+        {"bdpt_variance", "bdpt", with_factors("variance", {{"mis", text("power2")}}),
+         kBidirectional},
+        {"bdpt_reciprocal_variance", "bdpt",
+         with_factors("variance",
+                      {{"variance_factor", text("reciprocal")}, {"mis", text("constant")}}),
+         kBidirectional},
+        {"bdpt_correction", "bdpt",
+         with_factors("correction", {{"correction_groups", text("light+nee")}}), kBidirectional},
+    };
+}
+
 std::vector<EstimatorRow> bdpt_rows() {
     std::vector<EstimatorRow> rows = {
         {"bdpt", "bdpt", {}, kBidirectional},
@@ -136,6 +160,7 @@ std::vector<EstimatorRow> bdpt_rows() {
         {"bdpt_only_light", "bdpt", only("light"), kLightPaths},
         {"bdpt_only_connect", "bdpt", only("connect"), kThreeSmoothEdges},
     };
+    for (const EstimatorRow& row : bdpt_rows_with_factors()) rows.push_back(row);
     for (const MisHeuristic& heuristic : heuristics()) {
         const std::string mis(heuristic.name);
         if (mis == "balance") continue;  // the default
@@ -177,6 +202,17 @@ std::vector<EstimatorRow> merging_rows() {
                        {"bsdf_samples", n(2)},
                        {"light_paths", 0.7},
                        {"kernel", text("constant")}}),
+         kEverywhere, kVcmBias},
+        {"vcm_correlation", "vcm", among_others(with_factors("correlation", {})), kEverywhere,
+         kVcmBias},
+        {"vcm_jendersie", "vcm", among_others(with_factors("jendersie", {})), kEverywhere,
+         kVcmBias},
+        {"vcm_variance", "vcm",
+         among_others(with_factors("variance", {{"variance_variant", text("hua2025")}})),
+         kEverywhere, kVcmBias},
+        {"vcm_correlation_correction", "vcm",
+         among_others(with_factors("correlation+correction", {})), kEverywhere, kVcmBias},
+        {"vcm_variance_correction", "vcm", among_others(with_factors("variance+correction", {})),
          kEverywhere, kVcmBias},
         {"vcm_without_merge", "vcm", {{"merge", false}}, kBidirectional},
         {"vcm_only_merge", "vcm", alone(only_merge), kThreeSmoothEdges, kMergeBias},

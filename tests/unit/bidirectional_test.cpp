@@ -190,21 +190,21 @@ TEST(SampleEvents, AreRefusedByMethodsThatDoNotShowThem) {
 }
 
 TEST(Bidirectional, RendersALaterPassAlone) {
-    const auto pass = [](std::int64_t first, std::int64_t n) {
+    const auto image = [](std::int64_t n, std::optional<std::int64_t> only_pass) {
         return render(glass(), {.method = "vcm",
                                 .parameters = {{"radius_shrink", 0.5}},
                                 .width = kWidth,
                                 .height = kHeight,
                                 .budget = SampleBudget{n},
-                                .first_pass = first})
+                                .only_pass = only_pass})
             .image;
     };
     Image sum(kWidth, kHeight);
     for (std::int64_t i = 0; i < 3; ++i) {
-        const Image one = pass(i, 1);
+        const Image one = image(1, i);
         for (std::size_t k = 0; k < sum.rgb.size(); ++k) sum.rgb[k] += one.rgb[k] / 3;
     }
-    expect_same_image(pass(0, 3), sum);
+    expect_same_image(image(3, std::nullopt), sum);
 }
 
 // Memory is kept from path to path and from pass to pass.

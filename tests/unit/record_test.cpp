@@ -79,7 +79,7 @@ TEST(Record, RefusesAnotherFormat) {
     other["format"] = Record::kFormat + 1;
     std::string message;
     EXPECT_EQ(code_of(other, message), Errc::FailedPrecondition);
-    EXPECT_EQ(message, "read a run's record: its format is 2, this program reads 1");
+    EXPECT_EQ(message, "read a run's record: its format is 3, this program reads 2");
 }
 
 TEST(Record, RefusesATaskThatIsNotTheRuns) {

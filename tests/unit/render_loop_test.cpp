@@ -33,14 +33,16 @@ struct NoParameters {
 
 // The pass function of a test's own method; the parameters are not used.
 std::function<void(PassContext&)> g_pass;
-std::function<PassOutcome(int)> g_finish;
+std::function<Forgotten(int)> g_finish;
 
 class ScriptedMethod final : public Method {
  public:
     explicit ScriptedMethod(NoParameters /*unused*/) {}
     void start(const Scene& /*scene*/, FrameInfo /*frame*/) override {}
     void pass(PassContext& context) override { g_pass(context); }
-    PassOutcome finish_pass() override { return g_finish ? g_finish(n_++) : PassOutcome::Keep; }
+    Forgotten finish_pass(ThreadPool& /*threads*/) override {
+        return g_finish ? g_finish(n_++) : Forgotten{};
+    }
     void describe(nlohmann::json& json) const override { json["passes"] = n_; }
 
  private:
@@ -194,7 +196,7 @@ TEST_F(RenderLoop, DropsTheFrameWhenTheMethodSaysSoAndNeverReusesItsNumbers) {
         });
         firsts.push_back(first);
     };
-    g_finish = [](int n) { return n == 1 ? PassOutcome::Drop : PassOutcome::Keep; };
+    g_finish = [](int n) { return Forgotten{.all = n == 1}; };
     const RenderResult result = run_script(SampleBudget{5});
     EXPECT_EQ(result.statistics.passes, 3) << "two of the five were dropped";
     EXPECT_EQ(result.image.rgb[0], 1);
