@@ -22,6 +22,8 @@ misbench_test(pixel_trace_test unit misbench_renderer)
 misbench_test(technique_images_test unit misbench_renderer)
 misbench_test(bidirectional_test unit misbench_renderer)
 target_sources(bidirectional_test PRIVATE support/allocations.cpp)
+misbench_test(direct_test unit misbench_renderer)
+target_sources(direct_test PRIVATE support/allocations.cpp)
 misbench_test(image_test unit misbench_image OpenEXR::OpenEXR)
 misbench_test(texture_test unit misbench_renderer OpenEXR::OpenEXR)
 misbench_test(bsdf_test stat misbench_renderer Boost::boost)
@@ -54,7 +56,7 @@ misbench_test(image_agreement_test stat misbench_agreement)
 misbench_test(methods_agree_test stat misbench_agreement)
 misbench_test(methods_agree_on_scenes_test slow misbench_agreement)
 
-foreach(test bidirectional_test correction_moments_test load_test inspect_test render_loop_test
+foreach(test bidirectional_test correction_moments_test direct_test load_test inspect_test render_loop_test
     path_densities_on_scenes_test methods_agree_on_scenes_test)
   target_compile_definitions(${test} PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
 endforeach()

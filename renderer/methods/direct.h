@@ -1,4 +1,4 @@
-// Direct light only, by any number of samples of each technique.
+// Direct light at the first surface: light samples, which may be resampled, and BSDF samples.
 #pragma once
 
 #include "renderer/methods/method.h"

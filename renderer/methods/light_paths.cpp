@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kChunkSize = 256;
 
 const LightSelection& emission_selection(const LightSelection& selection) {
-    return selection.name == "uniform" ? selection : find_light_selection("power");
+    return selection.name == "tree" ? find_light_selection("power") : selection;
 }
 
 }  // namespace

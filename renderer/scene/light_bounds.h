@@ -9,6 +9,7 @@ namespace misbench {
 
 struct LightBounds {
     double power = 0;  // luminance of the total emitted power, any common unit, >= 0, finite
+    double area = 0;   // of its surface, any common unit; 0 where it has none
     bool is_infinite = false;  // environment or directional: no position; the rest is unused
     Vec3 lower, upper;         // of its points
     Vec3 axis{0, 0, 1};        // unit: middle of its normals

@@ -18,6 +18,18 @@ std::variant<DiscreteDistribution, LightTree> build_power(std::span<const LightB
     return DiscreteDistribution(powers);
 }
 
+// The surfaces together and every light without one are alike.
+std::variant<DiscreteDistribution, LightTree> build_area(std::span<const LightBounds> lights) {
+    double area = 0;
+    for (const LightBounds& light : lights) area += light.area;
+    std::vector<double> weights;
+    weights.reserve(lights.size());
+    for (const LightBounds& light : lights) {
+        weights.push_back(light.area > 0 ? light.area / area : 1);
+    }
+    return DiscreteDistribution(weights);
+}
+
 std::variant<DiscreteDistribution, LightTree> build_tree(std::span<const LightBounds> lights) {
     return LightTree(lights);
 }
@@ -25,6 +37,9 @@ std::variant<DiscreteDistribution, LightTree> build_tree(std::span<const LightBo
 constexpr std::array kLightSelections{
     LightSelection{"uniform", "every light alike", build_uniform},
     LightSelection{"power", "in proportion to the luminance of the emitted power", build_power},
+    LightSelection{"area",
+                   "in proportion to the surface area; a light without surface as all surfaces",
+                   build_area},
     LightSelection{"tree", "by power, distance and orientation bounds in a hierarchy", build_tree},
 };
 

@@ -253,6 +253,7 @@ LightBounds bounds_of(const Scene& scene, std::uint32_t index) {
     LightBounds bounds;
     bounds.is_infinite = light.is_infinite();
     if (light.is_surface()) {
+        bounds.area = double{light.area};
         // In π W without a product by π, so that triangles of equal area × radiance stay equal.
         bounds.power = double{light.area} * double{luminance(light.emission)};
     } else {

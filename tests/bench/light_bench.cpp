@@ -46,9 +46,9 @@ void probability(benchmark::State& state) {
     }
 }
 
-BENCHMARK(build)->ArgsProduct({{0, 1, 2}, {1000, 1'000'000}})->Unit(benchmark::kMillisecond);
-BENCHMARK(select)->ArgsProduct({{0, 1, 2}, {10, 1000, 1'000'000}});
-BENCHMARK(probability)->ArgsProduct({{0, 1, 2}, {10, 1000, 1'000'000}});
+BENCHMARK(build)->ArgsProduct({{0, 1, 2, 3}, {1000, 1'000'000}})->Unit(benchmark::kMillisecond);
+BENCHMARK(select)->ArgsProduct({{0, 1, 2, 3}, {10, 1000, 1'000'000}});
+BENCHMARK(probability)->ArgsProduct({{0, 1, 2, 3}, {10, 1000, 1'000'000}});
 
 }  // namespace
 }  // namespace misbench

@@ -129,6 +129,7 @@ TEST_F(CliTest, WrongUsageIsOneLineAndExitCodeTwo) {
 TEST_F(CliTest, ListShowsWhatAnExperimentCanName) {
     const std::map<std::string, std::string> known{{"methods", "path"},
                                                    {"heuristics", "power"},
+                                                   {"factors", "correction"},
                                                    {"metrics", "relmse.eps0.01"},
                                                    {"scenes", "Box/LightTop"}};
     for (const auto& [what, name] : known) {

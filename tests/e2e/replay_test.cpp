@@ -30,6 +30,7 @@ methods:
   bdpt: {method: bdpt, max_depth: 4}
   vcm: {method: vcm, max_depth: 4}
   direct: {method: direct}
+  path: {method: path, bsdf: false}
 baseline: direct
 seeds: 6
 budgets: [{samples: 3}]
@@ -111,7 +112,7 @@ void expect_near(const nlohmann::json& a, const nlohmann::json& b) {
 // --- replay --------------------------------------------------------------------------------------
 
 TEST_F(ReplayTest, ShowsTheVerySamplesOfARun) {
-    for (const char* method : {"bdpt", "vcm"}) {
+    for (const char* method : {"bdpt", "vcm", "direct"}) {
         const std::string run = run_of("store", method);
         const Image image = Store(file("store"), Store::Access::ReadOnly).run_image(run);
         std::vector<double> mean(3);
@@ -270,7 +271,7 @@ TEST_F(ReplayTest, RefusesWhatIsNotInTheRun) {
     expect_refused(with("bdpt", {"--pixel", "0,0", "--sample", "3"}),
                    "has 3 samples a pixel, counted from 0");
     expect_refused(with("bdpt", {"--pixel", "0,0", "--seed", "3"}), "excludes");
-    expect_refused(with("direct", {"--pixel", "0,0"}), "method 'direct' does not show its samples");
+    expect_refused(with("path", {"--pixel", "0,0"}), "method 'path' does not show its samples");
     expect_refused({"replay", "--pixel", "0,0"}, "give a run and its --store, or --scene");
     expect_refused({"replay", "ab", "--pixel", "0,0"}, "--store");
     expect_refused({"replay", "ab", "--store", file("nowhere"), "--pixel", "0,0"}, "nowhere");
@@ -353,12 +354,58 @@ TEST_F(ReplayTest, TechniquesAreOfEqualSamplesAndOfMethodsThatShowThem) {
         return more;
     };
     expect_refused(with({"--method", "bdpt", "--seconds", "1"}), "--techniques requires --spp");
-    expect_refused(with({"--method", "direct", "--spp", "1"}),
-                   "method 'direct' does not show its samples");
+    expect_refused(with({"--method", "path", "--set", "bsdf=false", "--spp", "1"}),
+                   "method 'path' does not show its samples");
     expect_refused(
         {"render", "CornellBox", "--spp", "1", "-o", file("a.exr"), "--techniques", file("t.jpg")},
         "unknown extension; known: .exr .png");
     EXPECT_FALSE(fs::exists(file("a.exr")));
+}
+
+// --- render --factors ----------------------------------------------------------------------------
+
+TEST_F(ReplayTest, LearnedFactorsAreImages) {
+    const Outcome outcome = misbench({"render", "CornellBox", "--method", "vcm", "--set",
+                                      "factors=correction", "--spp", "2", "--size", "16x12", "-o",
+                                      file("image.exr"), "--factors", file("factors.exr")});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, StartsWith("factor            mean "));
+    const std::map<std::string, Image> layers = test::exr_layers(file("factors.exr"));
+    for (const char* name : {"correction.merge", "correction.light"}) {
+        ASSERT_TRUE(layers.contains(name)) << name;
+        const Image& map = layers.at(name);
+        EXPECT_EQ(map.n_pixels(), 16U * 12U);
+        EXPECT_THAT(map.rgb, testing::Each(testing::AllOf(testing::Gt(0.0F), testing::Le(1.0F))));
+    }
+    expect_refused({"render", "CornellBox", "--spp", "1", "--size", "16x12", "-o", file("b.exr"),
+                    "--factors", file("none.exr")},
+                   "the method learned no factors");
+    expect_refused(
+        {"render", "CornellBox", "--spp", "1", "-o", file("b.exr"), "--factors", file("f.png")},
+        "unknown extension; known: .exr");
+}
+
+TEST_F(ReplayTest, APassAfterTheTrainingHasTheFactorsThatWereLearned) {
+    const std::vector<std::string> base{
+        "replay", "--scene", "CornellBox", "--method", "vcm",    "--set",   "factors=correction",
+        "--size", "16x12",   "--pixel",    "8,7",      "--json", "--sample"};
+    const auto factors_of = [&base](const std::string& pass) {
+        std::vector<std::string> all = base;
+        all.push_back(pass);
+        std::vector<double> factors;
+        const auto json = nlohmann::json::parse(misbench(all).out);
+        for (const auto& sample : json.at("samples")) {
+            for (const auto& [technique, factor] : sample.at("factors").items()) {
+                factors.push_back(factor.get<double>());
+            }
+        }
+        const auto sum = json.at("sum").get<std::vector<double>>();
+        const auto value = json.at("pixel_value").get<std::vector<double>>();
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], value[c], 1e-5 * value[c]);
+        return factors;
+    };
+    EXPECT_THAT(factors_of("0"), testing::Each(1));
+    EXPECT_THAT(factors_of("1"), testing::Contains(testing::Lt(1)));
 }
 
 }  // namespace

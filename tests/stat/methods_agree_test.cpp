@@ -2,6 +2,8 @@
 // light have the same expected image. What each finds is in tests/support/estimators.cpp.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/expect_agreement.h"
 #include "tests/support/scenes.h"
 #include "tests/support/statistics.h"
@@ -131,8 +133,8 @@ SceneDescription shading_normals() {
     return scene;
 }
 
-const std::vector<Row>& rows() {
-    static const std::vector<Row> kRows = {
+std::vector<Row> scenes() {
+    return {
         {"diffuse_box", lit_box()},
         {"lamp_in_sight", lit_box(), {1, 4}},
         {"direct_light", lit_box(), {1, 2}, 6},
@@ -156,6 +158,21 @@ const std::vector<Row>& rows() {
         {"thin_lens", thin_lens()},
         {"shading_normals", shading_normals()},
     };
+}
+
+// Of lights and surfaces of every kind, direct light apart: there are methods for it alone.
+const std::vector<Row>& rows() {
+    static const std::vector<Row> kRows = [] {
+        std::vector<Row> all = scenes();
+        for (const std::string name :
+             {"glossy_walls", "rough_glass", "smooth_plastic", "point_light", "directional_light",
+              "environment", "opacity_mask", "textured_blend", "thin_lens"}) {
+            const auto found = std::find_if(all.begin(), all.end(),
+                                            [&](const Row& row) { return row.name == name; });
+            all.push_back({name + "_directly", found->scene, {1, 2}, 6});
+        }
+        return all;
+    }();
     return kRows;
 }
 

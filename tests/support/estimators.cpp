@@ -67,6 +67,25 @@ constexpr auto kDirect = [](const SceneTraits& scene, PathLengths lengths) {
 std::int64_t n(std::int64_t value) { return value; }
 std::string text(const char* value) { return value; }
 
+// Light samples resampled as in hua2025 section 6.
+ParameterMap by_area(ParameterMap parameters) {
+    parameters["candidates"] = n(32);
+    parameters["light_selection"] = text("area");
+    return parameters;
+}
+ParameterMap with_factors(const char* factors) {
+    return by_area({{"factors", text(factors)},
+                    {"variance_variant", text("hua2025")},
+                    {"correction_groups", text("hit")},
+                    {"correction_keep", false}});
+}
+ParameterMap nabata_correction() {
+    ParameterMap parameters = with_factors("correction");
+    parameters["resampled_density"] = text("nabata");
+    parameters["precompute"] = n(2);
+    return parameters;
+}
+
 std::vector<EstimatorRow> unidirectional_rows() {
     return {
         {"path", "path", {}, kNoDeltaCaustics},
@@ -88,6 +107,22 @@ std::vector<EstimatorRow> unidirectional_rows() {
          .method = "direct",
          .parameters = {{"light_samples", n(0)}, {"bsdf_samples", n(2)}},
          .coverage = kDirect<decltype(kNoDeltaLights)>},
+        {"direct_4_candidates", "direct", {{"candidates", n(4)}}, kDirect<decltype(kEverywhere)>},
+        {"direct_32_candidates", "direct", by_area({}), kDirect<decltype(kEverywhere)>},
+        {"direct_nabata", "direct", by_area({{"resampled_density", text("nabata")}}),
+         kDirect<decltype(kEverywhere)>},
+        {"direct_nabata_2_3",
+         "direct",
+         {{"candidates", n(4)},
+          {"light_samples", n(2)},
+          {"bsdf_samples", n(3)},
+          {"resampled_density", text("nabata")},
+          {"nabata_keep", false},
+          {"mis", text("power2")}},
+         kDirect<decltype(kEverywhere)>},
+        {"direct_variance", "direct", with_factors("variance"), kDirect<decltype(kEverywhere)>},
+        {"direct_correction", "direct", with_factors("correction"), kDirect<decltype(kEverywhere)>},
+        {"direct_nabata_correction", "direct", nabata_correction(), kDirect<decltype(kEverywhere)>},
         {"light", "light", {}, kLightPaths},
         {"light_roulette", "light", {{"rr_depth", n(1)}, {"light_paths", 0.3}}, kLightPaths},
         {"light_uniform", "light", {{"light_selection", text("uniform")}}, kUniformLightPaths},

@@ -38,6 +38,7 @@ inline std::vector<LightBounds> random_lamps(int n, float half_width, std::uint3
         light.axis = random_direction(rng);
         light.cos_normals = 1;
         light.power = std::exp(6 * double{rng.uniform()} - 3);
+        light.area = std::exp(6 * double{rng.uniform()} - 3);
         lights.push_back(light);
     }
     return lights;

@@ -146,7 +146,7 @@ class Sums final : public SampleObserver {
 };
 
 TEST(SampleEvents, AddUpToTheImage) {
-    for (const std::string method : {"light", "bdpt", "photon", "vcm"}) {
+    for (const std::string method : {"direct", "light", "bdpt", "photon", "vcm"}) {
         Sums sums;
         const Image image = render_with(glass(), method, {}, 3, &sums).image;
         expect_same_image(image, sums.mean(3));
@@ -156,11 +156,15 @@ TEST(SampleEvents, AddUpToTheImage) {
 }
 
 TEST(SampleEvents, HaveZerosWhereTheyAreWanted) {
-    Sums sums(/*zeros=*/true);
-    const Image image = render_with(glass(), "bdpt", {}, 3, &sums).image;
-    expect_same_image(image, sums.mean(3));
-    EXPECT_EQ(image, render_with(glass(), "bdpt", {}, 3).image);
-    EXPECT_GT(sums.n_zeros(), 1000);
+    const ParameterMap candidates = {{"candidates", std::int64_t{4}}};
+    for (const auto& [method, parameters] :
+         {std::pair{"bdpt", ParameterMap{}}, std::pair{"direct", candidates}}) {
+        Sums sums(/*zeros=*/true);
+        const Image image = render_with(glass(), method, parameters, 3, &sums).image;
+        expect_same_image(image, sums.mean(3));
+        EXPECT_EQ(image, render_with(glass(), method, parameters, 3).image);
+        EXPECT_GT(sums.n_zeros(), 500) << method;
+    }
 }
 
 TEST(SampleEvents, AreOfPathsWithinTheLimitsOfLength) {
@@ -185,8 +189,11 @@ TEST(SampleEvents, OfThePathTracerAreThoseOfItsImage) {
 
 TEST(SampleEvents, AreRefusedByMethodsThatDoNotShowThem) {
     Sums sums;
-    EXPECT_THAT([&] { render_with(glass(), "direct", {}, 1, &sums); },
-                ThrowsMessage<Error>(HasSubstr("method 'direct' does not show its samples")));
+    EXPECT_THAT(
+        [&] {
+            render_with(glass(), "path", {{"bsdf", false}}, 1, &sums);
+        },
+        ThrowsMessage<Error>(HasSubstr("method 'path' does not show its samples")));
 }
 
 TEST(Bidirectional, RendersALaterPassAlone) {

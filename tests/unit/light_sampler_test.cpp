@@ -70,6 +70,20 @@ TEST(LightSampler, GivesEveryLightItsFixedProbability) {
     EXPECT_EQ(power.select({}, 1 - 0x1p-53)->light, 2U);
 }
 
+TEST(LightSampler, ChoosesSurfacesByTheirAreaAndOtherLightsAsAllOfThem) {
+    std::vector<LightBounds> lights = {sky(1), lamp(9, {}, {0, 1, 0}), sky(7),
+                                       lamp(2, {0, 1, 0}, {0, 1, 0})};
+    lights[1].area = 0.5;
+    lights[3].area = 1.5;
+    const LightSampler all = sampler(lights, "area");
+    EXPECT_DOUBLE_EQ(all.probability(0, {}), 1.0 / 3);
+    EXPECT_DOUBLE_EQ(all.probability(1, {}), 0.25 / 3);
+    EXPECT_DOUBLE_EQ(all.probability(2, {}), 1.0 / 3);
+    EXPECT_DOUBLE_EQ(all.probability(3, {}), 0.75 / 3);
+    EXPECT_EQ(sampler(std::vector{lights[1], lights[3]}, "area").probability(1, {}), 0.75);
+    EXPECT_EQ(sampler(std::vector{lights[0], lights[2]}, "area").probability(1, {}), 0.5);
+}
+
 TEST(LightSampler, OfNoLightsHasNoChoice) {
     for (const LightSelection& selection : light_selections()) {
         EXPECT_FALSE(LightSampler({}, selection).select({}, 0.5)) << selection.name;
