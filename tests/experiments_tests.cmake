@@ -1,6 +1,8 @@
 misbench_test(experiment_file_test unit misbench_experiment_file)
 misbench_test(profile_test unit misbench_experiment_file misbench_results)
 misbench_test(resolve_test unit misbench_experiments)
+target_compile_definitions(resolve_test PRIVATE
+  MISBENCH_EXPERIMENTS="${CMAKE_SOURCE_DIR}/experiments")
 misbench_test(claims_formats_test unit misbench_report)
 misbench_test(table_test unit misbench_report)
 misbench_test(progress_test unit misbench_cli)

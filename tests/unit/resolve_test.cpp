@@ -382,5 +382,28 @@ TEST_F(ResolveTest, TheSceneFolderIsTheOptionOrElseTheEnvironmentsOrElseTheSourc
     unsetenv("MISBENCH_SCENES");
 }
 
+// Those of the extremes name scenes that a program writes.
+bool is_on_our_scenes(const fs::path& file) {
+    return file.extension() == ".yaml" && file.parent_path().filename() != "extremes" &&
+           !is_lab_file(file);
+}
+
+TEST(ExperimentFiles, ArePlannedInEveryProfile) {
+    int n_plans = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(MISBENCH_EXPERIMENTS)) {
+        if (!is_on_our_scenes(entry.path())) continue;
+        const ExperimentYaml first = read_experiment_yaml(entry.path());
+        std::vector<std::string> profiles = first.profile.known;
+        if (profiles.empty()) profiles.emplace_back();
+        for (const std::string& profile : profiles) {
+            const Plan plan = resolve(read_experiment_yaml(entry.path(), {}, profile),
+                                      fs::path(MISBENCH_EXPERIMENTS) / "scenes");
+            EXPECT_FALSE(plan.cells.empty()) << entry.path() << ' ' << profile;
+            ++n_plans;
+        }
+    }
+    EXPECT_GT(n_plans, 30);
+}
+
 }  // namespace
 }  // namespace misbench
