@@ -36,12 +36,17 @@ constexpr auto kNoDeltaCaustics = [](const SceneTraits& scene, PathLengths lengt
 constexpr auto kBidirectional = [](const SceneTraits& scene, PathLengths lengths) {
     return has_delta_caustics(scene, lengths) ? Coverage::SmoothFirst : Coverage::Everywhere;
 };
+// Weights that do not follow densities leave to light paths what those hardly ever find.
+constexpr auto kConstant = [](const SceneTraits& scene, PathLengths lengths) {
+    return scene.narrow_view ? Coverage::Nowhere : kBidirectional(scene, lengths);
+};
 // Next event estimation alone misses what narrow lobes show.
 constexpr auto kNoNarrowLobes = [](const SceneTraits& scene, PathLengths lengths) {
     return scene.narrow_lobes ? Coverage::Nowhere : kNoDeltaCaustics(scene, lengths);
 };
 // Photons are gathered at the first vertex with a diffuse lobe; until there paths are traced.
 constexpr auto kGathering = [](const SceneTraits& scene, PathLengths) {
+    if (scene.narrow_view) return Coverage::Nowhere;
     return scene.narrow_lobes ? Coverage::SmoothFirst : Coverage::Everywhere;
 };
 // BSDF sampling alone never meets a light without extent.
@@ -156,7 +161,7 @@ std::vector<EstimatorRow> bdpt_rows_with_factors() {
         {"bdpt_reciprocal_variance", "bdpt",
          with_factors("variance",
                       {{"variance_factor", text("reciprocal")}, {"mis", text("constant")}}),
-         kBidirectional},
+         kConstant},
         {"bdpt_correction", "bdpt",
          with_factors("correction", {{"correction_groups", text("light+nee")}}), kBidirectional},
     };
@@ -200,6 +205,7 @@ std::vector<EstimatorRow> bdpt_rows() {
         const std::string mis(heuristic.name);
         if (mis == "balance") continue;  // the default
         rows.push_back({"bdpt_" + mis, "bdpt", {{"mis", mis}}, kBidirectional});
+        if (mis == "constant") rows.back().coverage = kConstant;
     }
     return rows;
 }
