@@ -8,7 +8,7 @@
 #include "experiments/scene_lookup.h"
 #include "renderer/base/error.h"
 #include "renderer/methods/catalogue.h"
-#include "results/metrics.h"
+#include "results/metrics/metrics.h"
 
 namespace misbench {
 namespace {

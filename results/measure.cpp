@@ -7,7 +7,7 @@
 
 #include "renderer/base/error.h"
 #include "results/job_table.h"
-#include "results/metrics.h"
+#include "results/metrics/metrics.h"
 #include "results/run_directory.h"
 
 namespace misbench {

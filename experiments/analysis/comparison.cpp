@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "renderer/base/error.h"
-#include "results/metrics.h"
 
 namespace misbench {
 namespace {
@@ -101,15 +100,16 @@ std::vector<Budget> wanted_budgets(const Plan& plan, const std::optional<Budget>
 struct Quantity {
     std::string id;
     std::string formula;
-    bool less_is_better = true;
+    Direction better = Direction::Less;
 };
 
 Quantity wanted_quantity(const Plan& plan, const std::string& metric) {
-    if (metric == kSecondsPerPass) return {kSecondsPerPass, "CPU seconds / passes", true};
+    if (metric == kSecondsPerPass)
+        return {kSecondsPerPass, "CPU seconds / passes", Direction::Less};
     const bool is_measured = std::ranges::find(plan.metrics, metric) != plan.metrics.end();
     if (is_measured || (metric.empty() && !plan.metrics.empty())) {
         const Metric& found = find_metric(is_measured ? metric : plan.metrics.front());
-        return {std::string(found.id), std::string(found.formula), found.less_is_better};
+        return {std::string(found.id), std::string(found.formula), found.better};
     }
     std::string known;
     for (const std::string& m : plan.metrics) known.append(" ").append(m);
@@ -175,7 +175,7 @@ Comparison compare(const Store& store, const Plan& plan, const std::string& metr
     Comparison comparison{.experiment = plan.experiment,
                           .metric = quantity.id,
                           .formula = quantity.formula,
-                          .less_is_better = quantity.less_is_better,
+                          .better = quantity.better,
                           .baseline = plan.baseline,
                           .scenes = {},
                           .methods = plan.methods,

@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "experiments/analysis/intervals.h"
 #include "experiments/plan/experiment.h"
+#include "experiments/statistics/intervals.h"
+#include "results/metrics/metrics.h"
 #include "results/store.h"
 
 namespace misbench {
@@ -64,7 +65,7 @@ struct Comparison {
     std::string experiment;
     std::string metric;
     std::string formula;  // of the metric
-    bool less_is_better = true;
+    Direction better = Direction::Less;
     std::string baseline;
     std::vector<std::string> scenes;   // as in the plan
     std::vector<std::string> methods;  // as in the plan

@@ -9,7 +9,7 @@
 #include "renderer/methods/catalogue.h"
 #include "renderer/mis/heuristics.h"
 #include "renderer/weights/parameters.h"
-#include "results/metrics.h"
+#include "results/metrics/metrics.h"
 
 namespace misbench {
 namespace {
@@ -70,11 +70,12 @@ void list_factors(Json& json, std::string& text) {
 void list_metrics(Json& json, std::string& text) {
     Rows rows;
     for (const Metric& metric : metrics()) {
-        json.push_back({{"id", metric.id},
-                        {"formula", metric.formula},
-                        {"less_is_better", metric.less_is_better}});
+        json.push_back(
+            {{"id", metric.id}, {"formula", metric.formula}, {"better", to_string(metric.better)}});
         rows.push_back({std::string(metric.id), std::string(metric.formula),
-                        metric.less_is_better ? "less is better" : "ranks nothing"});
+                        metric.better == Direction::None
+                            ? "ranks nothing"
+                            : to_string(metric.better) + " is better"});
     }
     text = align(rows);
 }

@@ -1,5 +1,5 @@
-// What each verb of `misbench` is told and does. main.cpp alone knows the command line's syntax; a
-// verb returns its exit code or throws Error.
+// What each verb of `misbench` is told and does. The files arguments*.cpp know the command line's
+// syntax; a verb returns its exit code or throws Error.
 //
 // Exit codes: 0 done; 1 some tasks failed, or a scene has warnings; 2 usage or experiment; 3 store;
 // 4 coordinator out of reach; 70 a bug of ours; 130 interrupted.

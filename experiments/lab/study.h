@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "experiments/analysis/intervals.h"
+#include "experiments/statistics/intervals.h"
 #include "experiments/lab/weights.h"
 
 namespace misbench::lab {

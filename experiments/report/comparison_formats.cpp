@@ -91,7 +91,7 @@ std::string to_csv(const Comparison& comparison) {
 std::string to_json(const Comparison& comparison) {
     nlohmann::ordered_json json = {
         {"experiment", comparison.experiment}, {"metric", comparison.metric},
-        {"formula", comparison.formula},       {"less_is_better", comparison.less_is_better},
+        {"formula", comparison.formula},       {"better", to_string(comparison.better)},
         {"baseline", comparison.baseline},     {"confidence", kConfidence},
         {"scenes", comparison.scenes},         {"methods", comparison.methods}};
     json["cells"] = nlohmann::ordered_json::array();

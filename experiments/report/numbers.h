@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "experiments/analysis/intervals.h"
+#include "experiments/statistics/intervals.h"
 
 namespace misbench {
 

@@ -56,8 +56,9 @@ const ComparedCell* find_cell(const Comparison& comparison,
 
 Verdict verdict_of(const Comparison& comparison, const ComparedCell& cell) {
     if (!cell.ratio_excludes_one()) return Verdict::None;
-    if (!comparison.less_is_better) return Verdict::Different;
-    return cell.ratio->value < 1 ? Verdict::Better : Verdict::Worse;
+    if (comparison.better == Direction::None) return Verdict::Different;
+    return (cell.ratio->value < 1) == (comparison.better == Direction::Less) ? Verdict::Better
+                                                                             : Verdict::Worse;
 }
 
 TableCell lay_out_cell(const Comparison& comparison, const ComparedCell* cell, Footnotes& notes) {
@@ -105,7 +106,9 @@ std::vector<std::string> footer_of(const Comparison& comparison, const Footnotes
     const auto percent = static_cast<int>(100 * kConfidence + 0.5);
     std::vector<std::string> footer{
         fmt::format("metric: {}, {}{}", comparison.metric, comparison.formula,
-                    comparison.less_is_better ? "; less is better" : ""),
+                    comparison.better == Direction::None
+                        ? ""
+                        : "; " + to_string(comparison.better) + " is better"),
         fmt::format("mean over {} ± half of its {} % Student t interval", seeds_of(comparison),
                     percent),
         fmt::format("× ratio of means to baseline '{}' [{} % log-delta-t interval, {}]",

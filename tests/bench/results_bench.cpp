@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "results/metrics.h"
+#include "results/metrics/metrics.h"
 #include "tests/support/made_up_store.h"
 
 namespace misbench {

@@ -1,7 +1,7 @@
 // Intervals hold what they promise, and the reference's noise cancels, by simulation. Every test
 // has fixed seeds. Comparisons with a known distribution: four, at alpha = 0.001 for all of them
 // together (Šidák: 3.66 standard errors for each), chosen before they were first run.
-#include "experiments/analysis/intervals.h"
+#include "experiments/statistics/intervals.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "results/metrics.h"
+#include "results/metrics/metrics.h"
 
 namespace misbench {
 namespace {

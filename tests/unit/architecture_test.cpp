@@ -35,10 +35,12 @@ const std::vector<Layer> kLayers = {
     {"coordinator", {"renderer/base", "experiments/plan", "results", "proto"}},
     {"worker",
      {"renderer/base", "renderer/image", "renderer", "experiments/plan", "results", "proto"}},
-    {"experiments/analysis", {"renderer/base", "experiments/plan", "results"}},
+    {"experiments/statistics", {"renderer/base"}},
+    {"experiments/analysis",
+     {"renderer/base", "renderer/image", "experiments/plan", "experiments/statistics", "results"}},
     {"experiments",
-     {"renderer/base", "renderer/image", "renderer", "experiments/plan", "experiments/analysis",
-      "results", "proto"}},
+     {"renderer/base", "renderer/image", "renderer", "experiments/plan", "experiments/statistics",
+      "experiments/analysis", "results", "proto"}},
     {"tests", {}},  // may include everything; nothing includes tests
 };
 
@@ -58,7 +60,7 @@ const std::vector<Owner> kOwners = {
     {"pugixml", {"renderer/scene/mitsuba"}},
     {"zlib.h", {"renderer/scene"}},
     {"yaml-cpp/", {"experiments/plan"}},
-    {"boost/", {"experiments/analysis", "experiments/lab"}},
+    {"boost/", {"experiments/statistics", "experiments/lab"}},
     {"Eigen/", {"renderer/mis"}},
     {"CLI/", {"experiments/cli", "coordinator", "worker"}},
     {"grpc", {"proto", "coordinator/rpc", "worker/rpc"}},

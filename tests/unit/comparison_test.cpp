@@ -39,7 +39,7 @@ TEST_F(ComparisonTest, SaysWhichMethodIsBetterAndHowSureThatIs) {
     store_.measure(plan_);
     const Comparison comparison = compare(store_, plan_);
     EXPECT_EQ(comparison.metric, "relmse.eps0.01");
-    EXPECT_TRUE(comparison.less_is_better);
+    EXPECT_EQ(comparison.better, Direction::Less);
     EXPECT_THAT(comparison.scenes, ElementsAre("Box"));
     ASSERT_EQ(comparison.cells.size(), 2U);
     const ComparedCell& plain = comparison.cells[0];

@@ -1,4 +1,4 @@
-#include "results/metrics.h"
+#include "results/metrics/metrics.h"
 
 #include <gtest/gtest.h>
 
@@ -74,7 +74,7 @@ TEST_P(RankingMetric, IsLargerForTheWorseImage) {
 std::vector<std::string> ids(bool also_without_rank) {
     std::vector<std::string> chosen;
     for (const Metric& metric : metrics()) {
-        if (metric.less_is_better || also_without_rank) chosen.emplace_back(metric.id);
+        if (metric.better != Direction::None || also_without_rank) chosen.emplace_back(metric.id);
     }
     return chosen;
 }

@@ -160,7 +160,7 @@ TEST(Table, AVerdictNeedsAnIntervalThatExcludesOneAndAMetricThatRanks) {
     EXPECT_EQ(table_of(comparison).rows[1].cells[1].verdict, Verdict::None);
     comparison.cells[1].ratio = with_interval(2, 1.5, 2.5);
     EXPECT_EQ(table_of(comparison).rows[0].cells[1].verdict, Verdict::Worse);
-    comparison.less_is_better = false;
+    comparison.better = Direction::None;
     EXPECT_EQ(table_of(comparison).rows[0].cells[1].verdict, Verdict::Different);
     EXPECT_THAT(table_of(comparison).footer[0], Not(HasSubstr("less is better")));
 }

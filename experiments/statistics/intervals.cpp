@@ -1,6 +1,6 @@
 // [Welch47]  B. L. Welch, The generalization of "Student's" problem when several different
 //            population variances are involved, Biometrika 34, 1947.
-#include "experiments/analysis/intervals.h"
+#include "experiments/statistics/intervals.h"
 
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "renderer/image/image.h"
 
@@ -18,11 +19,17 @@ struct ReferencePair {
     const Image& b;
 };
 
+// What a better method has.
+enum class Direction { Less, More, None };
+std::string to_string(Direction direction);  // "less", "more", "none"
+
 struct Metric {
     std::string_view id;       // as written in an experiment, with its constants
     std::string_view formula;  // for `misbench list metrics`
-    bool less_is_better;       // false for measures that rank nothing, such as the mean
+    Direction better;          // None for measures that rank nothing, such as the mean
     double (*measure)(const Image& image, const ReferencePair& reference);
+    // The same by pixel, row by row, before any aggregation; null where no such map exists.
+    std::vector<double> (*map)(const Image& image, const ReferencePair& reference);
 };
 
 std::span<const Metric> metrics();
@@ -31,5 +38,9 @@ const Metric& find_metric(const std::string& id);
 
 // Throws InvalidArgument when the three images differ in size.
 double measure(const Metric& metric, const Image& image, const ReferencePair& reference);
+// One value a pixel, row by row. Throws InvalidArgument like measure(), and for a metric without a
+// map.
+std::vector<double> measure_map(const Metric& metric, const Image& image,
+                                const ReferencePair& reference);
 
 }  // namespace misbench

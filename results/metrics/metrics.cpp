@@ -1,4 +1,4 @@
-#include "results/metrics.h"
+#include "results/metrics/metrics.h"
 
 #include <algorithm>
 #include <array>
@@ -70,22 +70,35 @@ double trimmed_mean(const std::vector<double>& values, std::size_t k) {
     return sum / static_cast<double>(values.size() - k);
 }
 
+std::vector<double> relative_squared_errors(const Image& image, const ReferencePair& reference) {
+    return pixel_errors(image, reference, &Channel::relative_squared_error);
+}
+
 double relmse(const Image& image, const ReferencePair& reference) {
-    return mean_of(pixel_errors(image, reference, &Channel::relative_squared_error));
+    return mean_of(relative_squared_errors(image, reference));
 }
 
 double relmse_trimmed(const Image& image, const ReferencePair& reference) {
-    const auto errors = pixel_errors(image, reference, &Channel::relative_squared_error);
+    const auto errors = relative_squared_errors(image, reference);
     return trimmed_mean(errors,
                         static_cast<std::size_t>(kTrimmed * static_cast<double>(errors.size())));
 }
 
+std::vector<double> squared_errors_over_reference(const Image& image,
+                                                  const ReferencePair& reference) {
+    return pixel_errors(image, reference, &Channel::squared_error_over_reference);
+}
+
 double mrse(const Image& image, const ReferencePair& reference) {
-    return mean_of(pixel_errors(image, reference, &Channel::squared_error_over_reference));
+    return mean_of(squared_errors_over_reference(image, reference));
+}
+
+std::vector<double> squared_errors(const Image& image, const ReferencePair& reference) {
+    return pixel_errors(image, reference, &Channel::squared_error);
 }
 
 double mse(const Image& image, const ReferencePair& reference) {
-    return mean_of(pixel_errors(image, reference, &Channel::squared_error));
+    return mean_of(squared_errors(image, reference));
 }
 
 double mean(const Image& image, const ReferencePair&) {
@@ -97,17 +110,30 @@ double mean(const Image& image, const ReferencePair&) {
 // To add a metric: write its function above, add its row here. An id is never used again for
 // another number; what changes a number changes the id.
 constexpr std::array kMetrics{
-    Metric{"relmse.eps0.01", "mean of (I-r1)(I-r2) / (R² + 0.01)", true, relmse},
+    Metric{"relmse.eps0.01", "mean of (I-r1)(I-r2) / (R² + 0.01)", Direction::Less, relmse,
+           relative_squared_errors},
     Metric{"relmse.eps0.01.trim0.001",
-           "the same without the 0.1 % largest pixels: biased low, never the only one", true,
-           relmse_trimmed},
-    Metric{"mrse.eps0.01", "mean of (I-r1)(I-r2) / (R + 0.01), as grittmann2019 has it", true,
-           mrse},
-    Metric{"mse", "mean of (I-r1)(I-r2)", true, mse},
-    Metric{"mean", "mean of I over pixels and channels", false, mean},
+           "the same without the 0.1 % largest pixels: biased low, never the only one",
+           Direction::Less, relmse_trimmed, relative_squared_errors},
+    Metric{"mrse.eps0.01", "mean of (I-r1)(I-r2) / (R + 0.01), as grittmann2019 has it",
+           Direction::Less, mrse, squared_errors_over_reference},
+    Metric{"mse", "mean of (I-r1)(I-r2)", Direction::Less, mse, squared_errors},
+    Metric{"mean", "mean of I over pixels and channels", Direction::None, mean, nullptr},
 };
 
 }  // namespace
+
+std::string to_string(Direction direction) {
+    switch (direction) {
+        case Direction::Less:
+            return "less";
+        case Direction::More:
+            return "more";
+        case Direction::None:
+            break;
+    }
+    return "none";
+}
 
 std::span<const Metric> metrics() { return kMetrics; }
 
@@ -119,7 +145,9 @@ const Metric& find_metric(const std::string& id) {
     throw ParameterError("metrics", "unknown metric '" + id + "'; known:" + known);
 }
 
-double measure(const Metric& metric, const Image& image, const ReferencePair& reference) {
+namespace {
+
+void require_same_size(const Metric& metric, const Image& image, const ReferencePair& reference) {
     const auto size = [](const Image& i) {
         return std::to_string(i.width) + "x" + std::to_string(i.height);
     };
@@ -132,7 +160,23 @@ double measure(const Metric& metric, const Image& image, const ReferencePair& re
                                                size(image) + ", the halves of its reference are " +
                                                size(reference.a) + " and " + size(reference.b));
     }
+}
+
+}  // namespace
+
+double measure(const Metric& metric, const Image& image, const ReferencePair& reference) {
+    require_same_size(metric, image, reference);
     return metric.measure(image, reference);
+}
+
+std::vector<double> measure_map(const Metric& metric, const Image& image,
+                                const ReferencePair& reference) {
+    require_same_size(metric, image, reference);
+    if (metric.map == nullptr) {
+        throw Error(Errc::InvalidArgument,
+                    "map " + std::string(metric.id) + ": it is one number, not one a pixel");
+    }
+    return metric.map(image, reference);
 }
 
 }  // namespace misbench

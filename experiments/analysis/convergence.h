@@ -1,0 +1,33 @@
+// Error against effort: each budget of an experiment, and each snapshot within a render, is a point
+// of its method's curve.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/analysis/comparison.h"
+
+namespace misbench {
+
+// All seeds of a method at one effort.
+struct CurvePoint {
+    double passes = 0;  // samples a pixel, mean over the seeds
+    double cpu_seconds = 0;
+    double wall_seconds = 0;
+    std::vector<double> values;  // of the metric, one a seed
+    std::vector<std::int64_t> seeds;
+    std::optional<Estimate> mean;
+};
+
+struct Curve {
+    std::string scene;
+    std::string method;              // the user's label
+    std::vector<CurvePoint> points;  // by growing passes; points without a value are left out
+};
+
+// For each scene and method of the plan; `metric` as in compare().
+std::vector<Curve> convergence(const Store& store, const Plan& plan,
+                               const std::string& metric = "");
+
+}  // namespace misbench
