@@ -5,7 +5,6 @@
 #include "renderer/weights/correlation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -17,8 +16,6 @@ namespace misbench {
 namespace {
 
 constexpr double kMaxScale = 1e6;
-
-using Probability = ScaledProduct<double>;
 
 class Correlation final : public FactorProvider {
  public:
@@ -33,9 +30,26 @@ class Correlation final : public FactorProvider {
 
     void multiply(const PathView& path, const TechniqueCounts& counts,
                   std::span<double> factors) const override {
+        const auto n = static_cast<std::size_t>(path.n_edges());
+        if (n < 2 || (counts.merge <= 1 && counts.nee <= 1)) return;
+        // Plain numbers are enough for all but extreme scenes, and take half the time.
+        double few[2 * kFewEdges];  // NOLINT: not filled, for speed
+        if (n <= kFewEdges && multiply_all(path, counts, factors, few, few + kFewEdges)) return;
+        std::vector<Scaled> many(2 * n);
+        multiply_all(path, counts, factors, many.data(), many.data() + n);
+    }
+
+ private:
+    using Scaled = ScaledProduct<double>;
+    static constexpr std::size_t kFewEdges = 24;
+
+    // c_t of all techniques, with probabilities as Products. `prefix` and `rest` have room for one
+    // a vertex. False where a double would lose digits: then the factors are as they were.
+    template <typename Product>
+    bool multiply_all(const PathView& path, const TechniqueCounts& counts,
+                      std::span<double> factors, Product* prefix, Product* rest) const {
         const bool merges = counts.merge > 1;
         const auto n = static_cast<std::size_t>(path.n_edges());
-        if (n < 2 || (!merges && counts.nee <= 1)) return;
         const PathDensities& d = *path.densities;
         const double d2 = squared_length(path.vertex(1).point.position - path.origin);
         const double area = area_around(d2);
@@ -54,32 +68,46 @@ class Correlation final : public FactorProvider {
             return is_certain ? 1 : chance(density, area);
         };
 
-        // P(z) that ends at x_k, for all k.                           [grittmann2021 Eq. 14]
-        std::array<Probability, kFewEdges> few;
-        std::vector<Probability> many;
-        Probability* rest = few.data();
+        // P(y) of x_1 … x_k, for all k.                               [grittmann2021 Eq. 14]
+        Product product(1);
+        for (std::size_t k = 1; k < n; ++k) {
+            const double last =
+                k == 1 ? chance(d.from_camera[k], area) : again(d.from_camera[k], k - 1);
+            if (!extend(product, last)) return false;
+            prefix[k] = product;
+        }
+        // P(z) that ends at x_k, for all k.
         if (merges) {
-            if (n > kFewEdges) rest = (many.resize(n), many.data());
-            Probability product(chance(d.from_light[n], at_light));
+            product = Product(1);
+            if (!extend(product, chance(d.from_light[n], at_light))) return false;
             for (std::size_t k = n - 1; k >= 1; --k) {
-                product *=
+                const double last =
                     k == n - 1 ? chance(d.from_light[k], area) : again(d.from_light[k], k + 1);
+                if (!extend(product, last)) return false;
                 rest[k] = product;
             }
-        }
-        // c_t of all techniques.                                      [grittmann2021 Eq. 13]
-        Probability prefix;
-        for (std::size_t k = 1; k < n; ++k) {
-            prefix *= k == 1 ? chance(d.from_camera[k], area) : again(d.from_camera[k], k - 1);
-            if (merges) factors[n + k] *= factor(prefix, rest[k], counts.merge);
+            const double bound = least(counts.merge);
+            for (std::size_t k = 1; k < n; ++k) {
+                factors[n + k] *= std::max(factor(prefix[k], rest[k]), bound);
+            }
         }
         if (counts.nee > 1) {
-            factors[1] *= factor(prefix, Probability(chance(d.next_event, at_light)), counts.nee);
+            const Product light(chance(d.next_event, at_light));
+            factors[1] *= std::max(factor(prefix[n - 1], light), least(counts.nee));
         }
+        return true;
     }
 
- private:
-    static constexpr std::size_t kFewEdges = 24;
+    // Multiplies. False where a double is not enough.
+    static bool extend(double& product, double by) {
+        if (product == 0) return true;
+        product *= by;
+        return product > 0x1p-800 || by == 0;
+    }
+    static bool extend(Scaled& product, double by) {
+        product *= by;
+        return true;
+    }
 
     // [grittmann2021 Eq. 17]
     double area_around(double d2) const {
@@ -88,21 +116,21 @@ class Correlation final : public FactorProvider {
                                      : d2 * kTangentOfOneDegree * kTangentOfOneDegree;
         return M_PI * scale_ * scale_ * r2;
     }
-    // [grittmann2021 Eq. 15]; the last term of it is lost where a product needs an exponent.
-    double factor(const Probability& prefix, const Probability& rest, double n) const {
-        double c = 1;
+    // [grittmann2021 Eq. 13]; the last term of Eq. 15 is lost where a product needs an exponent.
+    static double factor(double prefix, double rest) { return correlation_factor(prefix, rest); }
+    static double factor(const Scaled& prefix, const Scaled& rest) {
         if (prefix.exponent() == 0 && rest.exponent() == 0) {
-            c = correlation_factor(prefix.significand(), rest.significand());
-        } else if (!rest.is_zero()) {
-            const auto shift = std::clamp<std::int64_t>(rest.exponent() - prefix.exponent(),
-                                                        -kMaxShift, kMaxShift);
-            c = 1 / (1 + std::ldexp(rest.significand() / prefix.significand(),
-                                    static_cast<int>(shift)));
+            return correlation_factor(prefix.significand(), rest.significand());
         }
-        return std::max(c, is_bounded_ ? 1 / n : kLeast);
+        if (rest.is_zero()) return 1;
+        constexpr std::int64_t kMaxShift = 4000;
+        const auto shift =
+            std::clamp<std::int64_t>(rest.exponent() - prefix.exponent(), -kMaxShift, kMaxShift);
+        return 1 /
+               (1 + std::ldexp(rest.significand() / prefix.significand(), static_cast<int>(shift)));
     }
-    static constexpr double kLeast = 1e-300;  // a factor is above 0
-    static constexpr std::int64_t kMaxShift = 4000;
+    // [grittmann2021 Eq. 12]; a factor is above 0.
+    double least(double n) const { return is_bounded_ ? 1 / n : 1e-300; }
 
     bool is_global_;
     double scale_;
