@@ -1,5 +1,6 @@
 #include "renderer/methods/disturbance.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -23,6 +24,11 @@ Disturbance read_disturbance() {
     for (int field = 0; field < 8; ++field) stat >> ticks;
     if (stat) result.steal_seconds = ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
     return result;
+}
+
+void forget_peak_memory() {
+    ::malloc_trim(0);
+    std::ofstream("/proc/self/clear_refs") << 5;  // proc(5): resets the peak resident set size
 }
 
 }  // namespace misbench

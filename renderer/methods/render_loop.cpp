@@ -153,6 +153,7 @@ class Render {
     }
 
     RenderResult run() {
+        forget_peak_memory();
         const Disturbance before = read_disturbance();
         method_->start(scene_, frame_);
         precompute();

@@ -2,14 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "renderer/base/error.h"
 #include "renderer/methods/catalogue.h"
+#include "renderer/methods/disturbance.h"
 #include "renderer/methods/parameters_of.h"
 #include "renderer/methods/pass_context.h"
 #include "renderer/scene/load.h"
@@ -203,6 +206,19 @@ TEST_F(RenderLoop, DropsTheFrameWhenTheMethodSaysSoAndNeverReusesItsNumbers) {
     std::sort(firsts.begin(), firsts.end());
     EXPECT_EQ(std::unique(firsts.begin(), firsts.end()), firsts.end());
     EXPECT_THAT(result.description, HasSubstr("\"passes\":5"));
+}
+
+TEST_F(RenderLoop, CountsThePeakOfMemoryOfThisRenderAlone) {
+    constexpr std::size_t kBytes = 256U << 20U;
+    void* before =
+        ::mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    ASSERT_NE(before, MAP_FAILED);
+    std::memset(before, 1, kBytes);
+    const std::int64_t peak = read_disturbance().peak_memory_bytes;
+    ASSERT_EQ(::munmap(before, kBytes), 0);
+    const RenderResult result = run_script(SampleBudget{1});
+    EXPECT_GT(result.statistics.peak_memory_bytes, 0);
+    EXPECT_LT(result.statistics.peak_memory_bytes, peak - static_cast<std::int64_t>(kBytes / 2));
 }
 
 TEST_F(RenderLoop, StopsWhenAskedTo) {
