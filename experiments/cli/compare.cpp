@@ -64,6 +64,11 @@ void require_size_of_reference(const std::string& file, const Image& image,
                     image.height, options.reference, reference.width, reference.height));
 }
 
+// Of an error; a ratio of luminances or shares says nothing.
+bool may_have_ratios(const Metric& metric) {
+    return metric.across_scenes == AcrossScenes::GeometricMeanOfRatios;
+}
+
 ComparedImage compare_image(const std::string& file, const Image& image,
                             const ReferencePair& reference, const ImageComparison& comparison) {
     ComparedImage compared{.name = file, .values = {}, .ratios = {}, .noise_shares = {}};
@@ -79,7 +84,7 @@ ComparedImage compare_image(const std::string& file, const Image& image,
         }
         if (comparison.images.empty()) continue;
         const double first = comparison.images.front().values[m];
-        if (metric.across_scenes == AcrossScenes::GeometricMeanOfRatios && first > 0) {
+        if (may_have_ratios(metric) && first > 0) {
             compared.ratios[m] = value / first;
         }
     }
@@ -192,14 +197,20 @@ std::string to_markdown(const ImageComparison& comparison) {
 
 // Ratios are columns, so that every row is an image.
 std::string to_csv(const ImageComparison& comparison) {
+    const std::vector<const Metric*>& metrics = comparison.metrics;
     std::string text = "image";
-    for (const Metric* metric : comparison.metrics) text.append(",").append(metric->id);
-    for (const Metric* metric : comparison.metrics) text.append(",ratio.").append(metric->id);
+    for (const Metric* metric : metrics) text.append(",").append(metric->id);
+    for (const Metric* metric : metrics) {
+        if (may_have_ratios(*metric)) text.append(",ratio.").append(metric->id);
+    }
     text += ",naive\n";
     for (const ComparedImage& image : comparison.images) {
         text += escape_csv(image.name);
         for (const double value : image.values) text += fmt::format(",{}", value);
-        for (const auto& ratio : image.ratios) text += ratio ? fmt::format(",{}", *ratio) : ",";
+        for (std::size_t m = 0; m < metrics.size(); ++m) {
+            const auto ratio = image.ratios[m];
+            if (may_have_ratios(*metrics[m])) text += ratio ? fmt::format(",{}", *ratio) : ",";
+        }
         text += comparison.is_naive ? ",1\n" : ",0\n";
     }
     return text;
