@@ -12,6 +12,7 @@ misbench_test(claims_test e2e misbench_results)
 misbench_test(lab_test unit misbench_lab)
 misbench_test(lab_sampling_test stat misbench_lab Boost::boost)
 misbench_test(lab_cli_test e2e misbench_base)
+misbench_test(compare_test e2e misbench_image)
 
 # One test for ctest each, because their cases share an experiment that takes seconds to run.
 foreach(test cli_test replay_test)
@@ -35,3 +36,5 @@ target_compile_definitions(lab_cli_test PRIVATE
   MISBENCH_PROGRAM="$<TARGET_FILE:misbench>"
   MISBENCH_EXPERIMENTS="${CMAKE_SOURCE_DIR}/experiments")
 add_dependencies(lab_cli_test misbench)
+target_compile_definitions(compare_test PRIVATE MISBENCH_PROGRAM="$<TARGET_FILE:misbench>")
+add_dependencies(compare_test misbench)

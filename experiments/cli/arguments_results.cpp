@@ -47,12 +47,30 @@ void add_report(CLI::App& app, Chosen& chosen) {
     verb.add_option("-o,--output", options->output, "default: STORE/report.html");
 }
 
+void add_compare(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<CompareOptions>();
+    CLI::App& verb = add_verb(app, "compare", "measure image files against a reference; no store",
+                              compare_verb, options, chosen);
+    verb.add_option("images", options->images, "EXR, PFM or HDR; PNG, JPEG, TGA or BMP as sRGB")
+        ->required();
+    verb.add_option("--reference", options->reference, "the image to compare with")->required();
+    verb.add_option("--reference-b", options->reference_b,
+                    "another of independent samples: noise of both cancels in squared errors");
+    verb.add_option("--metric", options->metrics, "its id, one an option; default: a choice")
+        ->allow_extra_args(false);
+    verb.add_option("--format", options->format, "text, csv, json or markdown")
+        ->check(CLI::IsMember({"text", "csv", "json", "markdown"}))
+        ->capture_default_str();
+    verb.add_option("--map", options->map, "write the metric of each pixel: .exr or .png");
+}
+
 }  // namespace
 
 void add_result_verbs(CLI::App& app, Chosen& chosen) {
     add_table(app, chosen);
     add_claims(app, chosen);
     add_report(app, chosen);
+    add_compare(app, chosen);
 }
 
 }  // namespace misbench

@@ -70,12 +70,15 @@ void list_factors(Json& json, std::string& text) {
 void list_metrics(Json& json, std::string& text) {
     Rows rows;
     for (const Metric& metric : metrics()) {
-        json.push_back(
-            {{"id", metric.id}, {"formula", metric.formula}, {"better", to_string(metric.better)}});
+        json.push_back({{"id", metric.id},
+                        {"formula", metric.formula},
+                        {"better", to_string(metric.better)},
+                        {"aggregation", aggregation(metric)},
+                        {"has_map", metric.map != nullptr}});
         rows.push_back({std::string(metric.id), std::string(metric.formula),
-                        metric.better == Direction::None
-                            ? "ranks nothing"
-                            : to_string(metric.better) + " is better"});
+                        metric.better == Direction::None ? "ranks nothing"
+                                                         : to_string(metric.better) + " is better",
+                        aggregation(metric)});
     }
     text = align(rows);
 }

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 
 #include "experiments/report/numbers.h"
 #include "renderer/base/error.h"
@@ -31,6 +32,16 @@ void print_note(const std::string& message) {
 }
 
 void print_error(const std::string& message) { print_note("error: " + message); }
+
+void require_extension(const std::string& file, std::initializer_list<const char*> known) {
+    const std::string extension = std::filesystem::path(file).extension();
+    std::string names;
+    for (const char* name : known) {
+        if (extension == name) return;
+        names.append(" ").append(name);
+    }
+    throw Error(Errc::InvalidArgument, "write '" + file + "': unknown extension; known:" + names);
+}
 
 std::string align(const std::vector<std::vector<std::string>>& rows) {
     std::vector<std::size_t> widths;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <initializer_list>
 #include <nlohmann/json.hpp>
 
 #include "experiments/cli/estimate.h"
@@ -20,16 +19,6 @@ namespace {
 
 [[noreturn]] void fail_usage(const std::string& message) {
     throw Error(Errc::InvalidArgument, message);
-}
-
-void require_extension(const std::string& file, std::initializer_list<const char*> known) {
-    const std::string extension = std::filesystem::path(file).extension();
-    std::string names;
-    for (const char* name : known) {
-        if (extension == name) return;
-        names.append(" ").append(name);
-    }
-    fail_usage("write '" + file + "': unknown extension; known:" + names);
 }
 
 Budget parse_budget(const RenderOptions& options) {

@@ -125,6 +125,16 @@ struct StoreOptions {
 int reindex_verb(const StoreOptions& options);
 int status_verb(const StoreOptions& options);
 
+struct CompareOptions {
+    std::vector<std::string> images;
+    std::string reference;
+    std::string reference_b;           // its other half, "" for none
+    std::vector<std::string> metrics;  // ids; empty for a choice of them
+    std::string format = "text";       // text, csv, json, markdown
+    std::string map;                   // .exr or .png, "" for none; only of one image by one metric
+};
+int compare_verb(const CompareOptions& options);
+
 struct LabOptions {
     std::string file;
     std::vector<std::string> overrides;  // PATH=VALUE

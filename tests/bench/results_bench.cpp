@@ -28,6 +28,8 @@ void metric_over_640x480(benchmark::State& state, const std::string& id) {
 BENCHMARK_CAPTURE(metric_over_640x480, relmse, "relmse.eps0.01")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(metric_over_640x480, trimmed, "relmse.eps0.01.trim0.001")
     ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(metric_over_640x480, ldr_flip, "flip.ldr.ppd67")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(metric_over_640x480, hdr_flip, "flip.hdr.ppd67")->Unit(benchmark::kMillisecond);
 
 void commit_of_a_run(benchmark::State& state) {
     const TemporaryFolder folder;

@@ -102,7 +102,7 @@ TEST_F(CliTest, VersionAndHelpAreResults) {
     EXPECT_EQ(misbench({"--version"}).exit_code, 0);
     EXPECT_THAT(misbench({"--help"}).out, HasSubstr("130 interrupted"));
     for (const char* verb : {"list", "render", "scene", "plan", "run", "table", "claims", "report",
-                             "reindex", "status", "replay"}) {
+                             "compare", "reindex", "status", "replay"}) {
         const Outcome help = misbench({verb, "--help"});
         EXPECT_EQ(help.exit_code, 0) << verb;
         EXPECT_THAT(help.out, HasSubstr("Usage")) << verb;
@@ -140,6 +140,18 @@ TEST_F(CliTest, ListShowsWhatAnExperimentCanName) {
         EXPECT_THAT(json.dump(), HasSubstr("\"" + name + "\""));
         EXPECT_GE(json.size(), 2U) << what;
     }
+}
+
+TEST_F(CliTest, ListOfMetricsSaysWhatIsBetterAndHowTheyAggregate) {
+    EXPECT_THAT(misbench({"list", "metrics"}).out,
+                AllOf(HasSubstr("flip.hdr.ppd67"), HasSubstr("less is better  mean over seeds, "
+                                                             "geometric mean of ratios across")));
+    const auto json = nlohmann::json::parse(misbench({"list", "metrics", "--json"}).out);
+    const auto mean = std::ranges::find(json, "mean", [](const auto& m) { return m.at("id"); });
+    ASSERT_NE(mean, json.end());
+    EXPECT_EQ(mean->at("better"), "none");
+    EXPECT_EQ(mean->at("aggregation"), "mean over seeds");
+    EXPECT_EQ(mean->at("has_map"), false);
 }
 
 TEST_F(CliTest, ScenesComeFromTheFolderOfTheOptionOrTheEnvironment) {

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Compares misbench's path tracer with Mitsuba 3; see README.md.
+# Compares misbench's path tracer with Mitsuba 3, and its FLIP with its authors'; see README.md.
 #
 #   ./tests/peer/run.sh [--self-test] [OPTIONS OF compare.py]
+#   ./tests/peer/run.sh --flip [OPTIONS OF compare_flip.py]
 #
 # Makes a virtual environment in build/peer with the pinned packages, and builds misbench unless
 # --misbench names one. --self-test tests the comparison itself, without misbench.
@@ -21,8 +22,13 @@ fi
 if [ "${1:-}" = --self-test ]; then
   exec "$python" "$peer_folder/self_test.py"
 fi
+script=compare.py
+if [ "${1:-}" = --flip ]; then
+  script=compare_flip.py
+  shift
+fi
 case " $* " in
   *" --misbench "* | *" --misbench="* | *" --list "* | *" --help "* | *" -h "*) ;;
   *) build_preset release misbench >&2 ;;
 esac
-exec "$python" "$peer_folder/compare.py" "$@"
+exec "$python" "$peer_folder/$script" "$@"
