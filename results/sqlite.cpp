@@ -109,6 +109,11 @@ void Statement::bind_one(int index, std::string_view value) {
                               SQLITE_UTF8));
 }
 
+void Statement::bind_one(int index, std::span<const std::byte> value) {
+    const void* bytes = value.empty() ? "" : static_cast<const void*>(value.data());
+    check(sqlite3_bind_blob64(handle_.get(), index, bytes, value.size(), SQLITE_TRANSIENT));
+}
+
 void Statement::bind_one(int index, std::nullptr_t) {
     check(sqlite3_bind_null(handle_.get(), index));
 }
@@ -123,6 +128,12 @@ std::string Statement::text(int column) const {
     const unsigned char* bytes = sqlite3_column_text(handle_.get(), column);
     if (bytes == nullptr) return {};
     return {reinterpret_cast<const char*>(bytes),
+            static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column))};
+}
+
+std::span<const std::byte> Statement::blob(int column) const {
+    const void* bytes = sqlite3_column_blob(handle_.get(), column);
+    return {static_cast<const std::byte*>(bytes),
             static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column))};
 }
 
@@ -175,8 +186,8 @@ std::int64_t Database::integer(std::string_view sql) const {
     return statement.integer(0);
 }
 
-Transaction::Transaction(const Database& database) : database_(database) {
-    database_.execute("BEGIN IMMEDIATE");
+Transaction::Transaction(const Database& database, Kind kind) : database_(database) {
+    database_.execute(kind == Kind::Read ? "BEGIN" : "BEGIN IMMEDIATE");
 }
 
 Transaction::~Transaction() {

@@ -8,9 +8,12 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -40,6 +43,8 @@ class Statement {
     std::int64_t integer(int column) const;
     double real(int column) const;
     std::string text(int column) const;
+    // Valid until the next step.
+    std::span<const std::byte> blob(int column) const;
 
  private:
     struct Finalize {
@@ -49,7 +54,11 @@ class Statement {
     void bind_one(int index, double value);
     void bind_one(int index, std::int64_t value);
     void bind_one(int index, std::string_view value);
+    void bind_one(int index, std::span<const std::byte> value);
     void bind_one(int index, std::nullptr_t);
+    void bind_one(int index, const std::optional<double>& value) {
+        value ? bind_one(index, *value) : bind_one(index, nullptr);
+    }
     void bind_one(int index, std::integral auto value) {
         bind_one(index, static_cast<std::int64_t>(value));
     }
@@ -88,7 +97,9 @@ class Database {
 // Rolls back unless committed.
 class Transaction {
  public:
-    explicit Transaction(const Database& database);
+    // Reading needs no commit: it sees one state of the database until it ends.
+    enum class Kind { Read, Write };
+    explicit Transaction(const Database& database, Kind kind = Kind::Write);
     ~Transaction();
     Transaction(const Transaction&) = delete;
     Transaction& operator=(const Transaction&) = delete;

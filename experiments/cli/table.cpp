@@ -10,7 +10,7 @@ namespace misbench {
 
 int table_verb(const TableOptions& options) {
     const Store store(options.store, Store::Access::ReadOnly);
-    const Plan plan = store.experiment(options.experiment);
+    const Plan plan = store.experiment_head(options.experiment);
     const Comparison comparison = compare(store, plan, options.metric);
     if (options.format == "csv") {
         print_result(to_csv(comparison));
@@ -22,7 +22,7 @@ int table_verb(const TableOptions& options) {
     }
     const TableLayout layout{.rows = axis_from_string(options.rows),
                              .columns = axis_from_string(options.columns)};
-    const Table table = make_table(comparison, layout, provenance_lines(origins(store, plan)));
+    const Table table = make_table(comparison, layout, provenance_lines(store.origins(plan.experiment)));
     if (options.format == "latex") {
         print_result(to_latex(table));
     } else if (options.format == "markdown") {
