@@ -25,6 +25,7 @@ namespace misbench {
 class Statement {
  public:
     Statement(sqlite3* database, std::string_view sql);
+    explicit Statement(sqlite3_stmt* prepared);
 
     // Starts over with these values for ?1, ?2, … A double that is not finite is refused: SQLite
     // would keep a NaN as NULL.
@@ -43,6 +44,10 @@ class Statement {
     std::int64_t integer(int column) const;
     double real(int column) const;
     std::string text(int column) const;
+    enum class Kind { Null, Integer, Real, Text, Blob };
+    Kind kind(int column) const;
+    int n_columns() const;
+    std::string column_name(int column) const;
     // Valid until the next step.
     std::span<const std::byte> blob(int column) const;
 
@@ -81,6 +86,10 @@ class Database {
     void begin_writing();
 
     Statement prepare(std::string_view sql) const;
+    // Of a query by anybody: exactly one statement that reads. From the first call on, this
+    // connection refuses whatever else: changes, ATTACH, PRAGMAs but those that describe tables.
+    // Throws InvalidArgument.
+    Statement prepare_query(std::string_view sql) const;
     // One or several statements whose rows do not matter.
     void execute(const std::string& sql) const;
     // The first column of the first row. REQUIRES: there is one.

@@ -322,7 +322,7 @@ Comparison compare(const Store& store, const Plan& plan, const Question& questio
     order_cells(comparison);
     if (filter) drop_empty(comparison);
     compute_ratios(comparison, quantity);
-    adjust_p_values({&comparison, 1});
+    if (comparison.baseline != kToBest) adjust_p_values({&comparison, 1});
     return comparison;
 }
 

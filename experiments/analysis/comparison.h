@@ -47,7 +47,7 @@ struct ComparedCell {
     bool ratio_is_paired = false;
     std::optional<LogRatio> ratio_log;  // what `ratio` is made of
     // Of the test that the ratio is one, where it has an interval or is an identity; adjusted for
-    // all ratios of the comparison by Benjamini and Hochberg.
+    // all ratios of the comparison by Benjamini and Hochberg, but not where they are to the best.
     std::optional<double> p;
     std::optional<double> adjusted_p;
     // Largest over median value: absent below kFewestForInterval seeds and for a median that is

@@ -48,7 +48,12 @@ class RollupTest : public testing::Test {
     bool check(const std::string& experiment) {
         const auto database = open_database(path_ / "results.sqlite", Database::Access::ReadOnly);
         const auto shown = select_cells(*database, experiment, kMetrics);
-        const auto rows = recompute_cells(*database, experiment);
+        auto rows = recompute_cells(*database, experiment);
+        for (CellSeeds& cell : rows) {
+            std::erase_if(cell.values, [](const auto& entry) {
+                return std::ranges::find(kMetrics, entry.first) == kMetrics.end();
+            });
+        }
         EXPECT_EQ(shown.size(), rows.size());
         for (std::size_t i = 0; i < std::min(shown.size(), rows.size()); ++i) {
             expect_same(shown[i], rows[i]);
