@@ -69,6 +69,12 @@ void insert_cells(const Database& database, const Plan& plan) {
     }
 }
 
+std::string head_of(const Plan& plan) {
+    Plan head = plan;
+    head.cells.clear();
+    return plan_to_json(head).dump();
+}
+
 constexpr std::string_view kSelectTasks =
     "SELECT id, task, block, position, state, epoch, worker, losses, failures, error FROM tasks ";
 
@@ -126,9 +132,11 @@ void insert_experiment(const Database& database, const ExperimentFile& file) {
     Transaction transaction(database);
     database
         .prepare(
-            "INSERT INTO experiments VALUES (?1, ?2, ?3) ON CONFLICT (name) DO UPDATE SET "
-            "submitted_at_ms = excluded.submitted_at_ms, file_sha256 = excluded.file_sha256")
-        .bind(name, file.submitted_at_ms, file.sha256)
+            "INSERT INTO experiments (name, submitted_at_ms, file_sha256, head) "
+            "VALUES (?1, ?2, ?3, ?4) ON CONFLICT (name) DO UPDATE SET "
+            "submitted_at_ms = excluded.submitted_at_ms, file_sha256 = excluded.file_sha256, "
+            "head = excluded.head")
+        .bind(name, file.submitted_at_ms, file.sha256, head_of(file.plan))
         .run();
     database.prepare("DELETE FROM cells WHERE experiment = ?1").bind(name).run();
     insert_tasks(database, file.plan);
@@ -177,7 +185,8 @@ Recorded insert_run(const Database& database, const Record& record) {
     Transaction transaction(database);
     Statement insert = database.prepare(R"sql(
         INSERT INTO runs VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15,
-                                 ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26)
+                                 ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28,
+                                 ?29)
         ON CONFLICT DO NOTHING RETURNING 1)sql");
     insert.bind(record.run, task.scene, task.scene_hash, task.width, task.height, task.method,
                 task.method_version, parameters_to_json(task.parameters).dump(),
@@ -186,7 +195,8 @@ Recorded insert_run(const Database& database, const Record& record) {
                 statistics.rays, statistics.nonfinite_samples, statistics.negative_samples,
                 statistics.involuntary_context_switches, statistics.steal_seconds, record.worker,
                 record.epoch, record.finished_at, record.provenance.build_id,
-                record.provenance.cpu_model, record.provenance.isa);
+                record.provenance.cpu_model, record.provenance.isa, record.provenance.compiler,
+                record.provenance.flags, record.provenance.host);
     const bool is_new = insert.step();
     if (is_new) insert.run();
     database.prepare("UPDATE tasks SET state = 'done', error = '' WHERE id = ?1")

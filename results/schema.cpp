@@ -1,6 +1,10 @@
 #include "results/schema.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <string>
+#include <utility>
 
 #include "renderer/base/error.h"
 
@@ -8,7 +12,7 @@ namespace misbench {
 namespace {
 
 // Any change of a table or view counts it up; `misbench reindex` is the way from one to the next.
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
 constexpr int kApplicationId = 0x6d697362;  // "misb"
 
 // Comments inside a statement stay in the database, where `.schema` shows them.
@@ -21,7 +25,9 @@ CREATE TABLE meta (
 CREATE TABLE experiments (
     name TEXT PRIMARY KEY,
     submitted_at_ms INTEGER NOT NULL,  -- Unix time, different for each
-    file_sha256 TEXT NOT NULL          -- of experiments/NAME.json
+    file_sha256 TEXT NOT NULL,         -- of experiments/NAME.json
+    head TEXT NOT NULL CHECK (json_valid(head)),  -- of its plan: all but the cells
+    rolled_up INTEGER NOT NULL DEFAULT 0 CHECK (rolled_up IN (0, 1))
 ) STRICT;
 
 CREATE TABLE tasks (  -- the job table: its rows are the state of the queue
@@ -80,7 +86,10 @@ CREATE TABLE runs (  -- an index of runs/ID/record.json; a run has the id of its
     finished_at TEXT NOT NULL,
     build_id TEXT NOT NULL,
     cpu_model TEXT NOT NULL,
-    isa TEXT NOT NULL
+    isa TEXT NOT NULL,
+    compiler TEXT NOT NULL,
+    flags TEXT NOT NULL,
+    host TEXT NOT NULL
 ) STRICT;
 CREATE INDEX runs_by_cost ON runs (scene_hash, method, cpu_seconds, passes, width, height);
 
@@ -110,11 +119,109 @@ LEFT JOIN measurements m ON m.run = c.task AND m.reference_a = c.reference_a
 WHERE c.role = 'test';
 )sql";
 
+// Copies of the tables above for fast reading (results/rollup.h), and what was computed from them.
+// They are there exactly while experiments.rolled_up is 1: any change below them takes them away.
+constexpr const char* kRollups = R"sql(
+CREATE TABLE rollup_cells (  -- a row for each scene × method × budget
+    experiment TEXT NOT NULL REFERENCES experiments (name) ON DELETE CASCADE,
+    position INTEGER NOT NULL,
+    scene TEXT NOT NULL,
+    method TEXT NOT NULL,
+    budget TEXT NOT NULL,
+    parameters TEXT NOT NULL,
+    states TEXT NOT NULL,  -- a letter for each seed: valid, invalid, failed, unfinished
+    seeds BLOB NOT NULL,   -- int64, little endian; what follows is doubles
+    passes BLOB NOT NULL,
+    wall_seconds BLOB NOT NULL,
+    cpu_seconds BLOB NOT NULL,
+    rays BLOB NOT NULL,
+    PRIMARY KEY (experiment, position)
+) STRICT;
+
+CREATE TABLE rollup_values (
+    experiment TEXT NOT NULL REFERENCES experiments (name) ON DELETE CASCADE,
+    metric TEXT NOT NULL,
+    position INTEGER NOT NULL,  -- of the row of rollup_cells
+    numbers BLOB NOT NULL,      -- a double for each seed, NaN where there is none
+    PRIMARY KEY (experiment, metric, position)
+) STRICT;
+
+CREATE TABLE rollup_origins (  -- of the tested runs: machines and builds
+    experiment TEXT NOT NULL REFERENCES experiments (name) ON DELETE CASCADE,
+    position INTEGER NOT NULL,
+    build_id TEXT NOT NULL,
+    compiler TEXT NOT NULL,
+    flags TEXT NOT NULL,
+    cpu_model TEXT NOT NULL,
+    isa TEXT NOT NULL,
+    host TEXT NOT NULL,
+    threads INTEGER NOT NULL,
+    n_runs INTEGER NOT NULL,
+    PRIMARY KEY (experiment, position)
+) STRICT;
+
+CREATE TABLE comparisons (
+-- One row for each ratio to a baseline that a table of one metric shows, with its 95 % interval.
+-- p is of the test that the ratio is 1; adjusted_p that of Benjamini and Hochberg over all rows of
+-- one experiment, metric and baseline. Rows are there from the end of `misbench run` until
+-- anything that they were computed from changes.
+    experiment TEXT NOT NULL REFERENCES experiments (name) ON DELETE CASCADE,
+    metric TEXT NOT NULL,
+    baseline TEXT NOT NULL,
+    scene TEXT NOT NULL,
+    method TEXT NOT NULL,
+    budget TEXT NOT NULL,
+    ratio REAL NOT NULL,
+    low REAL,
+    high REAL,
+    p REAL,
+    adjusted_p REAL,
+    PRIMARY KEY (experiment, metric, baseline, scene, method, budget)
+) STRICT;
+
+CREATE TRIGGER rollup_ends AFTER UPDATE OF rolled_up ON experiments
+WHEN OLD.rolled_up = 1 AND NEW.rolled_up = 0 BEGIN
+    DELETE FROM rollup_cells WHERE experiment = NEW.name;
+    DELETE FROM rollup_values WHERE experiment = NEW.name;
+    DELETE FROM rollup_origins WHERE experiment = NEW.name;
+    DELETE FROM comparisons WHERE experiment = NEW.name;
+END;
+)sql";
+
+// A change of `table` ends the rollups of the experiments that have a cell of its `task`.
+std::string ends_rollups(const std::string& table, const std::string& change,
+                         const std::string& row, const std::string& task) {
+    const std::string has_it = table == "cells"
+                                   ? "name = " + row + ".experiment"
+                                   : "EXISTS (SELECT 1 FROM cells WHERE task = " + row + "." +
+                                         task + " AND experiment = name)";
+    std::string name = table + "_" + change;
+    std::ranges::replace(name, ' ', '_');
+    return "CREATE TRIGGER " + name + "_ends_rollups_of_" + row + " AFTER " + change + " ON " +
+           table + " BEGIN UPDATE experiments SET rolled_up = 0 WHERE rolled_up = 1 AND " + has_it +
+           "; END;";
+}
+
+std::string all_that_ends_rollups() {
+    std::string sql = ends_rollups("tasks", "UPDATE OF state", "NEW", "id");
+    const std::array<std::pair<const char*, const char*>, 3> sources{
+        {{"cells", "task"}, {"runs", "id"}, {"measurements", "run"}}};
+    for (const auto& [table, task] : sources) {
+        sql += ends_rollups(table, "INSERT", "NEW", task);
+        sql += ends_rollups(table, "UPDATE", "NEW", task);
+        sql += ends_rollups(table, "UPDATE", "OLD", task);
+        sql += ends_rollups(table, "DELETE", "OLD", task);
+    }
+    return sql;
+}
+
 void create_tables(const Database& database) {
     const auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
         std::chrono::system_clock::now().time_since_epoch());
     Transaction transaction(database);
     database.execute(kTables);
+    database.execute(kRollups);
+    database.execute(all_that_ends_rollups());
     // Above all epochs of a database that was here before, as long as leases were granted at less
     // than one a millisecond over its life.
     database.prepare("INSERT INTO meta VALUES (1, ?1)").bind(now.count()).run();

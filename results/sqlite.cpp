@@ -2,6 +2,8 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -50,6 +52,27 @@ void check(sqlite3* database, int code) {
     throw_error(database, path != nullptr ? path : "", code);
 }
 
+int allow_reading(void* /*context*/, int action, const char* first, const char* second,
+                  const char* /*database*/, const char* /*trigger*/) {
+    constexpr std::array<std::string_view, 6> kDescribing{
+        "table_info", "table_xinfo", "table_list", "index_list", "index_info", "foreign_key_list"};
+    switch (action) {
+        case SQLITE_SELECT:
+        case SQLITE_READ:
+        case SQLITE_RECURSIVE:
+            return SQLITE_OK;
+        case SQLITE_FUNCTION:
+            return second != nullptr && std::string_view(second) == "load_extension" ? SQLITE_DENY
+                                                                                     : SQLITE_OK;
+        case SQLITE_PRAGMA:
+            return std::ranges::find(kDescribing, std::string_view(first)) != kDescribing.end()
+                       ? SQLITE_OK
+                       : SQLITE_DENY;
+        default:
+            return SQLITE_DENY;
+    }
+}
+
 // The path as the path of a URI.
 std::string escaped(const std::string& path) {
     std::string uri;
@@ -75,6 +98,8 @@ Statement::Statement(sqlite3* database, std::string_view sql) {
                                                  &statement, nullptr));
     handle_.reset(statement);
 }
+
+Statement::Statement(sqlite3_stmt* prepared) : handle_(prepared) {}
 
 void Statement::check(int code) const { misbench::check(sqlite3_db_handle(handle_.get()), code); }
 
@@ -109,6 +134,11 @@ void Statement::bind_one(int index, std::string_view value) {
                               SQLITE_UTF8));
 }
 
+void Statement::bind_one(int index, std::span<const std::byte> value) {
+    const void* bytes = value.empty() ? "" : static_cast<const void*>(value.data());
+    check(sqlite3_bind_blob64(handle_.get(), index, bytes, value.size(), SQLITE_TRANSIENT));
+}
+
 void Statement::bind_one(int index, std::nullptr_t) {
     check(sqlite3_bind_null(handle_.get(), index));
 }
@@ -124,6 +154,33 @@ std::string Statement::text(int column) const {
     if (bytes == nullptr) return {};
     return {reinterpret_cast<const char*>(bytes),
             static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column))};
+}
+
+std::span<const std::byte> Statement::blob(int column) const {
+    const void* bytes = sqlite3_column_blob(handle_.get(), column);
+    return {static_cast<const std::byte*>(bytes),
+            static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column))};
+}
+
+Statement::Kind Statement::kind(int column) const {
+    switch (sqlite3_column_type(handle_.get(), column)) {
+        case SQLITE_INTEGER:
+            return Kind::Integer;
+        case SQLITE_FLOAT:
+            return Kind::Real;
+        case SQLITE_TEXT:
+            return Kind::Text;
+        case SQLITE_BLOB:
+            return Kind::Blob;
+        default:
+            return Kind::Null;
+    }
+}
+
+int Statement::n_columns() const { return sqlite3_column_count(handle_.get()); }
+
+std::string Statement::column_name(int column) const {
+    return sqlite3_column_name(handle_.get(), column);
 }
 
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
@@ -165,6 +222,34 @@ void Database::begin_writing() {
 
 Statement Database::prepare(std::string_view sql) const { return {handle_.get(), sql}; }
 
+Statement Database::prepare_query(std::string_view sql) const {
+    sqlite3_set_authorizer(handle_.get(), allow_reading, nullptr);
+    sqlite3_stmt* raw = nullptr;
+    const char* rest = nullptr;
+    int code =
+        sqlite3_prepare_v2(handle_.get(), sql.data(), static_cast<int>(sql.size()), &raw, &rest);
+    Statement statement(raw);
+    if (code == SQLITE_OK && raw == nullptr) {
+        throw Error(Errc::InvalidArgument, "query: it is empty");
+    }
+    if (code == SQLITE_OK) {
+        // Nothing but spaces and comments makes no statement.
+        sqlite3_stmt* second = nullptr;
+        const auto left = static_cast<int>(sql.data() + sql.size() - rest);
+        code = sqlite3_prepare_v2(handle_.get(), rest, left, &second, nullptr);
+        const Statement ends_with_it(second);
+        if (code == SQLITE_OK && second != nullptr) {
+            throw Error(Errc::InvalidArgument, "query: it has a second statement");
+        }
+    }
+    if (code != SQLITE_OK) {
+        throw Error(Errc::InvalidArgument,
+                    std::string("query: ") + sqlite3_errmsg(handle_.get()) +
+                        ((code & 0xff) == SQLITE_AUTH ? "; a query may only read" : ""));
+    }
+    return statement;
+}
+
 void Database::execute(const std::string& sql) const {
     check(handle_.get(), sqlite3_exec(handle_.get(), sql.c_str(), nullptr, nullptr, nullptr));
 }
@@ -175,8 +260,8 @@ std::int64_t Database::integer(std::string_view sql) const {
     return statement.integer(0);
 }
 
-Transaction::Transaction(const Database& database) : database_(database) {
-    database_.execute("BEGIN IMMEDIATE");
+Transaction::Transaction(const Database& database, Kind kind) : database_(database) {
+    database_.execute(kind == Kind::Read ? "BEGIN" : "BEGIN IMMEDIATE");
 }
 
 Transaction::~Transaction() {

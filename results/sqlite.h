@@ -8,9 +8,12 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -22,6 +25,7 @@ namespace misbench {
 class Statement {
  public:
     Statement(sqlite3* database, std::string_view sql);
+    explicit Statement(sqlite3_stmt* prepared);
 
     // Starts over with these values for ?1, ?2, … A double that is not finite is refused: SQLite
     // would keep a NaN as NULL.
@@ -40,6 +44,12 @@ class Statement {
     std::int64_t integer(int column) const;
     double real(int column) const;
     std::string text(int column) const;
+    enum class Kind { Null, Integer, Real, Text, Blob };
+    Kind kind(int column) const;
+    int n_columns() const;
+    std::string column_name(int column) const;
+    // Valid until the next step.
+    std::span<const std::byte> blob(int column) const;
 
  private:
     struct Finalize {
@@ -49,7 +59,11 @@ class Statement {
     void bind_one(int index, double value);
     void bind_one(int index, std::int64_t value);
     void bind_one(int index, std::string_view value);
+    void bind_one(int index, std::span<const std::byte> value);
     void bind_one(int index, std::nullptr_t);
+    void bind_one(int index, const std::optional<double>& value) {
+        value ? bind_one(index, *value) : bind_one(index, nullptr);
+    }
     void bind_one(int index, std::integral auto value) {
         bind_one(index, static_cast<std::int64_t>(value));
     }
@@ -72,6 +86,10 @@ class Database {
     void begin_writing();
 
     Statement prepare(std::string_view sql) const;
+    // Of a query by anybody: exactly one statement that reads. From the first call on, this
+    // connection refuses whatever else: changes, ATTACH, PRAGMAs but those that describe tables.
+    // Throws InvalidArgument.
+    Statement prepare_query(std::string_view sql) const;
     // One or several statements whose rows do not matter.
     void execute(const std::string& sql) const;
     // The first column of the first row. REQUIRES: there is one.
@@ -88,7 +106,9 @@ class Database {
 // Rolls back unless committed.
 class Transaction {
  public:
-    explicit Transaction(const Database& database);
+    // Reading needs no commit: it sees one state of the database until it ends.
+    enum class Kind { Read, Write };
+    explicit Transaction(const Database& database, Kind kind = Kind::Write);
     ~Transaction();
     Transaction(const Transaction&) = delete;
     Transaction& operator=(const Transaction&) = delete;

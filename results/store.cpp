@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "renderer/base/error.h"
 #include "renderer/base/log.h"
 #include "results/job_table.h"
 #include "results/measure.h"
 #include "results/reindex.h"
+#include "results/rollup.h"
 #include "results/run_directory.h"
 #include "results/schema.h"
 
@@ -69,7 +71,7 @@ std::vector<std::string> Store::experiments() const {
     return names;
 }
 
-Plan Store::experiment(const std::string& name) const {
+std::string Store::known_experiment(const std::string& name) const {
     const auto names = experiments();
     if (names.empty()) {
         throw Error(Errc::NotFound, "store '" + folder_.string() + "' has no experiments");
@@ -80,7 +82,17 @@ Plan Store::experiment(const std::string& name) const {
         for (const std::string& n : names) known += " " + n;
         throw Error(Errc::NotFound, "unknown experiment '" + wanted + "'; known:" + known);
     }
-    return read_experiment_file(experiment_path(folder_, wanted)).plan;
+    return wanted;
+}
+
+Plan Store::experiment(const std::string& name) const {
+    return read_experiment_file(experiment_path(folder_, known_experiment(name))).plan;
+}
+
+Plan Store::experiment_head(const std::string& name) const {
+    Statement select = database_->prepare("SELECT head FROM experiments WHERE name = ?1");
+    select.bind(known_experiment(name)).step();
+    return plan_from_json(nlohmann::json::parse(select.text(0)));
 }
 
 std::vector<TaskRow> Store::tasks() const { return select_tasks(*database_); }
@@ -159,7 +171,24 @@ std::optional<double> Store::seconds_per_sample(const std::string& scene_hash,
     return select.real(0) / samples;
 }
 
-int Store::measure(const Plan& plan) { return measure_plan(*database_, folder_, plan); }
+int Store::measure(const Plan& plan) {
+    const int n_added = measure_plan(*database_, folder_, plan);
+    roll_up(*database_);
+    return n_added;
+}
+
+std::vector<CellSeeds> Store::cell_seeds(const std::string& experiment,
+                                         std::span<const std::string> metrics) const {
+    return select_cells(*database_, experiment, metrics);
+}
+
+std::vector<Origin> Store::origins(const std::string& experiment) const {
+    return select_origins(*database_, experiment);
+}
+
+void Store::put_comparisons(const std::vector<StoredComparison>& comparisons) {
+    insert_comparisons(*database_, comparisons);
+}
 
 std::vector<Measurement> Store::measurements(const Plan& plan) const {
     return select_measurements(*database_, plan);

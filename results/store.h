@@ -17,12 +17,14 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "experiments/plan/experiment.h"
 #include "renderer/base/files.h"
 #include "renderer/image/image.h"
+#include "results/cell_seeds.h"
 #include "results/record.h"
 
 namespace misbench {
@@ -65,6 +67,21 @@ struct RunSummary {
     double cpu_seconds = 0;
 };
 
+// A row of the table `comparisons`: the ratio of a method's mean to the baseline's.
+struct StoredComparison {
+    std::string experiment;
+    std::string metric;
+    std::string baseline;
+    std::string scene;
+    std::string method;
+    std::string budget;
+    double ratio = 1;
+    std::optional<double> low;
+    std::optional<double> high;
+    std::optional<double> p;
+    std::optional<double> adjusted_p;
+};
+
 // What was indexed from files: runs and experiments that had no row, and what was set aside in
 // STORE/damaged/, by its path in the store.
 struct Reindexed {
@@ -97,6 +114,8 @@ class Store {
     std::vector<std::string> experiments() const;  // names, the latest put first
     // "" means the latest. Throws NotFound with the names that are known.
     Plan experiment(const std::string& name) const;
+    // The same without its cells, which are most of a large plan: all that a table needs.
+    Plan experiment_head(const std::string& name) const;
 
     // --- job table -----------------------------------------------------------------------------
     std::vector<TaskRow> tasks() const;  // by position
@@ -126,11 +145,23 @@ class Store {
 
     // --- measurements --------------------------------------------------------------------------
     // Computes and stores what the plan's metrics still lack, wherever the run and both halves of
-    // its reference are there and valid. Returns how many were added.
+    // its reference are there and valid; then makes the rollups anew. Returns how many were added.
     int measure(const Plan& plan);
     std::vector<Measurement> measurements(const Plan& plan) const;
 
+    // --- what tables ask -----------------------------------------------------------------------
+    // The tested cells of an experiment with the values of these metrics, by the plan's order.
+    std::vector<CellSeeds> cell_seeds(const std::string& experiment,
+                                      std::span<const std::string> metrics) const;
+    // Machines and builds of the tested runs; references do not decide times.
+    std::vector<Origin> origins(const std::string& experiment) const;
+    // Replaces those of the experiment, metric and baseline. They go with the next change of what
+    // they were computed from.
+    void put_comparisons(const std::vector<StoredComparison>& comparisons);
+
  private:
+    std::string known_experiment(const std::string& name) const;
+
     std::filesystem::path folder_;
     std::unique_ptr<FileLock> lock_;
     std::unique_ptr<Database> database_;

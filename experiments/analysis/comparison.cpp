@@ -4,67 +4,89 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 #include <utility>
 
+#include "experiments/analysis/filter.h"
+#include "experiments/statistics/multiplicity.h"
 #include "renderer/base/error.h"
 
 namespace misbench {
 namespace {
 
-// What the store knows of the plan's runs, by run id.
-struct Known {
-    std::map<std::string, RunSummary> runs;
-    std::map<std::string, double> values;
-    std::set<std::string> failed;  // tasks
-};
+// What a filter may ask of one seed of a cell.
+class SeedFields {
+ public:
+    SeedFields(const ComparedCell& cell, const CellSeeds& seeds, const Quantity& quantity)
+        : cell_(cell), seeds_(seeds), quantity_(quantity) {}
 
-Known known_of(const Store& store, const Plan& plan, const std::string& metric) {
-    Known known{.runs = store.run_summaries(), .values = {}, .failed = {}};
-    if (metric == kSecondsPerPass) {
-        for (const auto& [id, run] : known.runs) {
-            if (run.passes > 0) {
-                known.values[id] = run.cpu_seconds / static_cast<double>(run.passes);
+    static std::set<std::string> known(const std::vector<CellSeeds>& cells) {
+        std::set<std::string> names{"scene",  "method",  "budget", "seed",
+                                    "passes", "seconds", "value"};
+        for (const CellSeeds& cell : cells) {
+            for (const auto& [name, value] : nlohmann::json::parse(cell.parameters).items()) {
+                names.insert(name);
             }
         }
-    } else {
-        for (const Measurement& m : store.measurements(plan)) {
-            if (m.metric == metric) known.values[m.run] = m.value;
+        return names;
+    }
+
+    std::optional<ParameterValue> value(const std::string& field, std::size_t seed) const {
+        if (field == "scene") return cell_.scene;
+        if (field == "method") return cell_.method;
+        if (field == "budget") return to_string(cell_.budget);
+        if (field == "seed") return seeds_.seeds[seed];
+        if (field == "passes" || field == "seconds" || field == "value") {
+            return number(field, seed);
         }
+        const auto found = cell_.parameters.find(field);
+        if (found == cell_.parameters.end()) return std::nullopt;
+        return found->second;
     }
-    for (const TaskRow& row : store.tasks()) {
-        if (row.state == TaskState::Failed) known.failed.insert(row.id);
+
+ private:
+    std::optional<ParameterValue> number(const std::string& field, std::size_t seed) const {
+        if (seeds_.state(seed) != SeedState::Valid) return std::nullopt;
+        if (field == "passes") return seeds_.passes[seed];
+        if (field == "seconds") return seeds_.cpu_seconds[seed];
+        const std::optional<double> value = value_of(quantity_, seeds_, seed);
+        if (!value) return std::nullopt;
+        return quantity_.is_reciprocal ? 1 / *value : *value;
     }
-    return known;
-}
+
+    const ComparedCell& cell_;
+    const CellSeeds& seeds_;
+    const Quantity& quantity_;
+};
 
 // One seed's share. The means are sums until finish().
-void count(ComparedCell& cell, const Cell& planned, const Known& known) {
+void count(ComparedCell& cell, const CellSeeds& seeds, std::size_t i, const Quantity& quantity) {
     ++cell.n_planned;
-    const std::string id = task_id(planned.task);
-    const auto run = known.runs.find(id);
-    if (run == known.runs.end()) {
-        ++(known.failed.contains(id) ? cell.n_failed : cell.n_unfinished);
+    const SeedState state = seeds.state(i);
+    if (state == SeedState::Failed || state == SeedState::Unfinished) {
+        ++(state == SeedState::Failed ? cell.n_failed : cell.n_unfinished);
         return;
     }
-    const RunSummary& summary = run->second;
-    cell.few_passes |= has_few_passes(planned.budget, summary.passes);
-    if (!summary.valid) {
+    cell.few_passes |= has_few_passes(cell.budget, static_cast<std::int64_t>(seeds.passes[i]));
+    if (state == SeedState::Invalid) {
         ++cell.n_invalid;
         return;
     }
-    const auto value = known.values.find(id);
-    if (value == known.values.end()) {
+    const std::optional<double> value = value_of(quantity, seeds, i);
+    if (!value) {
         ++cell.n_unreferenced;
         return;
     }
     ++cell.n_measured;
-    cell.values.push_back(value->second);
-    cell.seeds.push_back(planned.seed);
-    cell.mean_passes += static_cast<double>(summary.passes);
-    cell.mean_wall_seconds += summary.wall_seconds;
-    cell.mean_cpu_seconds += summary.cpu_seconds;
+    cell.values.push_back(*value);
+    cell.seeds.push_back(seeds.seeds[i]);
+    cell.mean_passes += seeds.passes[i];
+    cell.mean_wall_seconds += seeds.wall_seconds[i];
+    cell.mean_cpu_seconds += seeds.cpu_seconds[i];
 }
 
 std::optional<double> tail_of(std::vector<double> values) {
@@ -77,13 +99,26 @@ std::optional<double> tail_of(std::vector<double> values) {
     return values.back() / median;
 }
 
-void finish(ComparedCell& cell) {
+// Of the reciprocal, if there is one: the mean must be above zero.
+std::optional<Estimate> reciprocal(const std::optional<Estimate>& estimate) {
+    if (!estimate || estimate->value <= 0) return std::nullopt;
+    Estimate result{.value = 1 / estimate->value, .interval = {}, .why_none = estimate->why_none};
+    if (estimate->interval && estimate->interval->low > 0) {
+        result.interval = Interval{1 / estimate->interval->high, 1 / estimate->interval->low};
+    } else if (estimate->interval) {
+        result.why_none = NoInterval::Unbounded;
+    }
+    return result;
+}
+
+void finish(ComparedCell& cell, const Quantity& quantity) {
     if (cell.n_measured > 0) {
         cell.mean_passes /= cell.n_measured;
         cell.mean_wall_seconds /= cell.n_measured;
         cell.mean_cpu_seconds /= cell.n_measured;
     }
     cell.mean = estimate_mean(cell.values);
+    if (quantity.is_reciprocal) cell.mean = reciprocal(cell.mean);
     cell.tail = tail_of(cell.values);
 }
 
@@ -96,45 +131,128 @@ std::vector<Budget> wanted_budgets(const Plan& plan, const std::optional<Budget>
                                        to_string(*budget) + "'; known:" + known);
 }
 
-// What is compared: a metric that the plan measures, or the time of a pass.
-struct Quantity {
-    std::string id;
-    std::string formula;
-    Direction better = Direction::Less;
-};
-
-Quantity wanted_quantity(const Plan& plan, const std::string& metric) {
-    if (metric == kSecondsPerPass)
-        return {kSecondsPerPass, "CPU seconds / passes", Direction::Less};
-    const bool is_measured = std::ranges::find(plan.metrics, metric) != plan.metrics.end();
-    if (is_measured || (metric.empty() && !plan.metrics.empty())) {
-        const Metric& found = find_metric(is_measured ? metric : plan.metrics.front());
-        return {std::string(found.id), std::string(found.formula), found.better};
-    }
+std::string wanted_baseline(const Plan& plan, const std::string& ratio_to) {
+    if (ratio_to.empty()) return plan.baseline;
+    const bool is_known = std::ranges::find(plan.methods, ratio_to) != plan.methods.end();
+    if (is_known || ratio_to == kToBest || ratio_to == kToNone) return ratio_to;
     std::string known;
-    for (const std::string& m : plan.metrics) known.append(" ").append(m);
-    throw ParameterError("metric", "experiment '" + plan.experiment + "' does not measure '" +
-                                       metric + "'; known:" + known + " " + kSecondsPerPass);
+    for (const std::string& m : plan.methods) known.append(" ").append(m);
+    throw ParameterError("ratio-to", "experiment '" + plan.experiment + "' has no method '" +
+                                         ratio_to + "'; known:" + known + " best none");
 }
 
-// The seeds of one cell of the table. Absent where the plan has none.
-std::optional<ComparedCell> compared_cell(const Plan& plan, const Known& known,
-                                          const std::string& scene, const Budget& budget,
-                                          const std::string& method) {
+// The seeds that the filter lets pass. Absent where there are none.
+std::optional<ComparedCell> compared_cell(const CellSeeds& seeds, const Budget& budget,
+                                          const Quantity& quantity, const Filter* filter) {
     ComparedCell cell;
-    cell.scene = scene;
-    cell.method = method;
+    cell.scene = seeds.scene;
+    cell.method = seeds.method;
     cell.budget = budget;
-    cell.is_baseline = method == plan.baseline;
-    for (const Cell& planned : plan.cells) {
-        if (planned.role == Role::Test && planned.scene == scene && planned.method == method &&
-            planned.budget == budget) {
-            count(cell, planned, known);
-        }
+    cell.parameters = parameters_from_json(nlohmann::json::parse(seeds.parameters));
+    const SeedFields fields(cell, seeds, quantity);
+    for (std::size_t i = 0; i < seeds.seeds.size(); ++i) {
+        const bool passes = filter == nullptr || filter->matches([&](const std::string& field) {
+            return fields.value(field, i);
+        });
+        if (passes) count(cell, seeds, i, quantity);
     }
     if (cell.n_planned == 0) return std::nullopt;
-    finish(cell);
+    finish(cell, quantity);
     return cell;
+}
+
+// What a cell's ratio is to. Null for none.
+const ComparedCell* baseline_of(const Comparison& comparison, const std::string& scene,
+                                const Budget& budget) {
+    if (comparison.baseline == kToNone) return nullptr;
+    if (comparison.baseline != kToBest) {
+        return comparison.find(scene, comparison.baseline, budget);
+    }
+    const ComparedCell* best = nullptr;
+    for (const ComparedCell& cell : comparison.cells) {
+        if (cell.scene != scene || cell.budget != budget || !cell.mean) continue;
+        const bool is_better = best == nullptr || (comparison.better == Direction::More
+                                                       ? cell.mean->value > best->mean->value
+                                                       : cell.mean->value < best->mean->value);
+        if (is_better) best = &cell;
+    }
+    return best;
+}
+
+void set_ratio(ComparedCell& cell, const LogRatio& ratio) {
+    cell.ratio_log = ratio;
+    cell.ratio = to_ratio(ratio);
+    if (!ratio.why_none || ratio.is_identity) cell.p = p_value(ratio);
+}
+
+void compute_ratios(Comparison& comparison, const Quantity& quantity) {
+    for (const std::string& scene : comparison.scenes) {
+        for (const Budget& budget : comparison.budgets) {
+            const ComparedCell* baseline = baseline_of(comparison, scene, budget);
+            if (baseline == nullptr) continue;
+            for (ComparedCell& cell : comparison.cells) {
+                if (cell.scene != scene || cell.budget != budget) continue;
+                cell.is_baseline = &cell == baseline;
+                if (cell.is_baseline) continue;
+                std::optional<LogRatio> ratio = log_ratio(cell, *baseline);
+                if (!ratio) continue;
+                if (quantity.is_reciprocal) ratio->value = -ratio->value;
+                set_ratio(cell, *ratio);
+                cell.ratio_is_paired = are_paired(cell, *baseline);
+            }
+        }
+    }
+}
+
+// Cells by scene, then budget, then method, as the plan has them.
+void order_cells(Comparison& comparison) {
+    std::map<std::string, std::size_t> scenes;
+    std::map<std::string, std::size_t> methods;
+    std::map<std::string, std::size_t> budgets;
+    for (const auto& scene : comparison.scenes) scenes.emplace(scene, scenes.size());
+    for (const auto& method : comparison.methods) methods.emplace(method, methods.size());
+    for (const auto& b : comparison.budgets) budgets.emplace(to_string(b), budgets.size());
+    std::ranges::sort(comparison.cells, {}, [&](const ComparedCell& cell) {
+        return std::tuple(scenes.at(cell.scene), budgets.at(to_string(cell.budget)),
+                          methods.at(cell.method));
+    });
+}
+
+// What a filter leaves nothing of is no part of the table.
+void drop_empty(Comparison& comparison) {
+    const auto has_cell = [&comparison](const auto& value, auto member) {
+        return std::ranges::any_of(comparison.cells,
+                                   [&](const ComparedCell& cell) { return cell.*member == value; });
+    };
+    std::erase_if(comparison.scenes,
+                  [&](const auto& scene) { return !has_cell(scene, &ComparedCell::scene); });
+    std::erase_if(comparison.methods,
+                  [&](const auto& method) { return !has_cell(method, &ComparedCell::method); });
+    std::erase_if(comparison.budgets,
+                  [&](const Budget& b) { return !has_cell(b, &ComparedCell::budget); });
+}
+
+std::string group_of(const std::string& scene) { return scene.substr(0, scene.find('/')); }
+
+// The mean of the ratios that a method has in these scenes. Absent where one lacks it.
+std::optional<ComparedCell> mean_over(const Comparison& comparison,
+                                      const std::vector<std::string>& scenes,
+                                      const std::string& method, const Budget& budget) {
+    std::vector<LogRatio> ratios;
+    for (const std::string& scene : scenes) {
+        const ComparedCell* cell = comparison.find(scene, method, budget);
+        if (cell == nullptr) continue;
+        if (!cell->ratio_log) return std::nullopt;
+        ratios.push_back(*cell->ratio_log);
+    }
+    if (ratios.empty()) return std::nullopt;
+    ComparedCell mean;
+    mean.method = method;
+    mean.budget = budget;
+    mean.is_mean_of_scenes = true;
+    mean.ratio_is_paired = true;
+    set_ratio(mean, mean_log_ratio(ratios));
+    return mean;
 }
 
 }  // namespace
@@ -171,35 +289,104 @@ const ComparedCell* Comparison::find(const std::string& scene, const std::string
 
 Comparison compare(const Store& store, const Plan& plan, const std::string& metric,
                    const std::optional<Budget>& budget) {
-    const Quantity quantity = wanted_quantity(plan, metric);
+    return compare(store, plan,
+                   {.quantity = metric, .budget = budget, .ratio_to = "", .where = ""});
+}
+
+Comparison compare(const Store& store, const Plan& plan, const Question& question) {
+    const Quantity quantity = find_quantity(plan, question.quantity);
     Comparison comparison{.experiment = plan.experiment,
                           .metric = quantity.id,
                           .formula = quantity.formula,
                           .better = quantity.better,
-                          .baseline = plan.baseline,
+                          .baseline = wanted_baseline(plan, question.ratio_to),
                           .scenes = {},
                           .methods = plan.methods,
-                          .budgets = wanted_budgets(plan, budget),
+                          .budgets = wanted_budgets(plan, question.budget),
                           .cells = {}};
-    const Known known = known_of(store, plan, comparison.metric);
-    for (const PlannedScene& scene : plan.scenes) {
-        comparison.scenes.push_back(scene.name);
-        for (const Budget& b : comparison.budgets) {
-            for (const std::string& method : plan.methods) {
-                auto cell = compared_cell(plan, known, scene.name, b, method);
-                if (cell) comparison.cells.push_back(std::move(*cell));
+    for (const PlannedScene& scene : plan.scenes) comparison.scenes.push_back(scene.name);
+    std::map<std::string, Budget> budgets;
+    for (const Budget& b : comparison.budgets) budgets.emplace(to_string(b), b);
+    std::vector<std::string> metrics;
+    if (!quantity.metric.empty()) metrics.push_back(quantity.metric);
+
+    const std::vector<CellSeeds> all = store.cell_seeds(plan.experiment, metrics);
+    std::optional<Filter> filter;
+    if (!question.where.empty()) filter.emplace(question.where, SeedFields::known(all));
+    for (const CellSeeds& seeds : all) {
+        const auto b = budgets.find(seeds.budget);
+        if (b == budgets.end()) continue;
+        auto cell = compared_cell(seeds, b->second, quantity, filter ? &*filter : nullptr);
+        if (cell) comparison.cells.push_back(std::move(*cell));
+    }
+    order_cells(comparison);
+    if (filter) drop_empty(comparison);
+    compute_ratios(comparison, quantity);
+    if (comparison.baseline != kToBest) adjust_p_values({&comparison, 1});
+    return comparison;
+}
+
+void add_means_over_scenes(Comparison& comparison, bool by_group) {
+    std::map<std::string, std::vector<std::string>> groups;
+    for (const std::string& scene : comparison.scenes) {
+        groups[by_group ? group_of(scene) : ""].push_back(scene);
+    }
+    std::vector<ComparedCell> means;
+    for (const auto& [group, scenes] : groups) {
+        const std::string name =
+            fmt::format("geometric mean of {} scene{}{}", scenes.size(),
+                        scenes.size() == 1 ? "" : "s", by_group ? " " + group : "");
+        comparison.scenes.push_back(name);
+        for (const Budget& budget : comparison.budgets) {
+            for (const std::string& method : comparison.methods) {
+                auto mean = mean_over(comparison, scenes, method, budget);
+                if (!mean) continue;
+                mean->scene = name;
+                means.push_back(std::move(*mean));
             }
         }
     }
-    for (ComparedCell& cell : comparison.cells) {
-        const ComparedCell* baseline = comparison.find(cell.scene, plan.baseline, cell.budget);
-        if (cell.is_baseline || baseline == nullptr) continue;
-        const std::optional<LogRatio> ratio = log_ratio(cell, *baseline);
-        if (!ratio) continue;
-        cell.ratio = to_ratio(*ratio);
-        cell.ratio_is_paired = are_paired(cell, *baseline);
+    std::ranges::move(means, std::back_inserter(comparison.cells));
+}
+
+void adjust_p_values(std::span<Comparison> comparisons) {
+    std::vector<ComparedCell*> tested;
+    std::vector<double> p;
+    for (Comparison& comparison : comparisons) {
+        for (ComparedCell& cell : comparison.cells) {
+            if (!cell.p) continue;
+            tested.push_back(&cell);
+            p.push_back(*cell.p);
+        }
     }
-    return comparison;
+    const std::vector<double> adjusted = benjamini_hochberg(p);
+    for (std::size_t i = 0; i < tested.size(); ++i) tested[i]->adjusted_p = adjusted[i];
+}
+
+void store_comparisons(Store& store, const Plan& plan) {
+    std::vector<StoredComparison> rows;
+    for (const std::string& metric : plan.metrics) {
+        const Comparison comparison = compare(store, plan, metric);
+        for (const ComparedCell& cell : comparison.cells) {
+            if (!cell.ratio) continue;
+            StoredComparison& row =
+                rows.emplace_back(StoredComparison{.experiment = plan.experiment,
+                                                   .metric = metric,
+                                                   .baseline = comparison.baseline,
+                                                   .scene = cell.scene,
+                                                   .method = cell.method,
+                                                   .budget = to_string(cell.budget),
+                                                   .ratio = cell.ratio->value,
+                                                   .low = {},
+                                                   .high = {},
+                                                   .p = cell.p,
+                                                   .adjusted_p = cell.adjusted_p});
+            if (!cell.ratio->interval) continue;
+            row.low = cell.ratio->interval->low;
+            row.high = cell.ratio->interval->high;
+        }
+    }
+    store.put_comparisons(rows);
 }
 
 }  // namespace misbench

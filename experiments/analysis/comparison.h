@@ -4,11 +4,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "experiments/analysis/quantity.h"
 #include "experiments/plan/experiment.h"
 #include "experiments/statistics/intervals.h"
+#include "renderer/base/parameters.h"
 #include "results/metrics/metrics.h"
 #include "results/store.h"
 
@@ -23,6 +26,7 @@ struct ComparedCell {
     std::string scene;
     std::string method;  // the user's label
     Budget budget;
+    ParameterMap parameters;  // effective ones of the method
 
     // Seeds, by what became of them: n_planned is the sum of the five others.
     int n_planned = 0;
@@ -32,17 +36,25 @@ struct ComparedCell {
     int n_unfinished = 0;    // waiting or in work
     int n_unreferenced = 0;  // valid, but its reference is missing, invalid or not yet compared
 
-    std::vector<double> values;       // of the metric, in the order of the plan's seeds
+    // Of the quantity (of a reciprocal one, before it is made that), in the order of the plan's
+    // seeds.
+    std::vector<double> values;
     std::vector<std::int64_t> seeds;  // of `values`
     std::optional<Estimate> mean;     // absent without measured seeds
     // mean / mean of the baseline in the same scene and budget. Absent for the baseline itself,
     // when one of the two has no measured seeds and when a mean is not positive.
     std::optional<Estimate> ratio;
     bool ratio_is_paired = false;
+    std::optional<LogRatio> ratio_log;  // what `ratio` is made of
+    // Of the test that the ratio is one, where it has an interval or is an identity; adjusted for
+    // all ratios of the comparison by Benjamini and Hochberg, but not where they are to the best.
+    std::optional<double> p;
+    std::optional<double> adjusted_p;
     // Largest over median value: absent below kFewestForInterval seeds and for a median that is
     // not positive.
     std::optional<double> tail;
     bool is_baseline = false;
+    bool is_mean_of_scenes = false;  // has a ratio and nothing else
     bool few_passes = false;  // a run of a time budget ended after fewer than kFewPasses passes
     double mean_passes = 0;   // samples a pixel
     double mean_wall_seconds = 0;
@@ -50,6 +62,9 @@ struct ComparedCell {
 
     bool is_complete() const { return n_measured == n_planned; }
     bool ratio_excludes_one() const { return ratio && excludes_one(*ratio); }
+    // The difference survives that many are looked at: a share of 5 % of those that a table marks
+    // is expected to be chance.
+    bool differs() const { return adjusted_p && *adjusted_p <= 1 - kConfidence; }
     bool has_heavy_tail() const { return tail && *tail > kHeavyTail; }
 };
 
@@ -66,8 +81,8 @@ struct Comparison {
     std::string metric;
     std::string formula;  // of the metric
     Direction better = Direction::Less;
-    std::string baseline;
-    std::vector<std::string> scenes;   // as in the plan
+    std::string baseline;              // what ratios are to: a label, kToBest or kToNone
+    std::vector<std::string> scenes;   // as in the plan; then the means over scenes, if any
     std::vector<std::string> methods;  // as in the plan
     std::vector<Budget> budgets;       // as in the plan, or the one asked for
     std::vector<ComparedCell> cells;   // by scene, then budget, then method; excluded ones left out
@@ -77,10 +92,34 @@ struct Comparison {
                              const Budget& budget) const;
 };
 
-// `metric` "" means the plan's first; kSecondsPerPass stands beside the plan's own. Throws
-// ParameterError when the plan does not measure `metric` or does not use `budget`, with the list of
-// those it has.
+// The best mean of the same scene and budget, by the same runs: such ratios are a ranking, and
+// their intervals are too favourable to the best.
+inline constexpr const char* kToBest = "best";
+inline constexpr const char* kToNone = "none";
+
+struct Question {
+    std::string quantity;          // see find_quantity()
+    std::optional<Budget> budget;  // absent: all of the plan
+    std::string ratio_to;          // "" for the plan's baseline, or as Comparison::baseline
+    std::string where;             // a Filter over scene, method, budget, seed, passes, seconds (of
+                                   // CPU time), value and parameters; "" for all
+};
+
+// REQUIRES: the store has the plan's experiment; the cells are read from there, so the plan's head
+// will do. Throws ParameterError when the plan does not have what is asked for, with the list of
+// what it has.
+Comparison compare(const Store& store, const Plan& plan, const Question& question);
 Comparison compare(const Store& store, const Plan& plan, const std::string& metric = "",
                    const std::optional<Budget>& budget = std::nullopt);
+
+// Adds the geometric mean of each method's ratios over the scenes (of each group: what stands
+// before the first '/' of a scene's name), where every scene that has the method has a ratio.
+void add_means_over_scenes(Comparison& comparison, bool by_group);
+
+// Adjusts the p values of all of them together: those of one table.
+void adjust_p_values(std::span<Comparison> comparisons);
+
+// Computes the ratios to the plan's baseline of all of its metrics and keeps them in the store.
+void store_comparisons(Store& store, const Plan& plan);
 
 }  // namespace misbench

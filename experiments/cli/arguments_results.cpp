@@ -1,8 +1,10 @@
 // misbench: the syntax of the verbs that ask a store what came out.
+#include <iterator>
 #include <memory>
 
 #include "experiments/cli/arguments.h"
 #include "experiments/cli/verbs.h"
+#include "experiments/report/table.h"
 
 namespace misbench {
 namespace {
@@ -12,18 +14,46 @@ void add_table(CLI::App& app, Chosen& chosen) {
     CLI::App& verb =
         add_verb(app, "table", "print what an experiment says", table_verb, options, chosen);
     verb.add_option("store", options->store, "results store")->required();
-    verb.add_option("--experiment", options->experiment, "its name; default: the latest");
-    verb.add_option("--metric", options->metric, "its id; default: the experiment's first");
-    const CLI::IsMember is_axis({"scene", "method", "budget"});
-    verb.add_option("--rows", options->rows, "what goes down: scene, method or budget")
-        ->check(is_axis)
+    verb.add_option("--experiment", options->experiments,
+                    "its name, also several times; default: the latest");
+    verb.add_option("--metric", options->metrics,
+                    "its id, also several times; METRIC*cpu, 1/(METRIC*cpu), seconds_per_pass, "
+                    "passes, cpu_seconds, wall_seconds, rays; default: the experiment's first");
+    verb.add_option("--rows", options->rows,
+                    "what goes down: scene, method, budget, metric, experiment or a parameter")
         ->capture_default_str();
-    verb.add_option("--cols", options->columns, "what goes across; the third makes further rows")
-        ->check(is_axis)
+    verb.add_option("--cols", options->columns, "what goes across; what is left makes further rows")
         ->capture_default_str();
+    verb.add_option("--where", options->where,
+                    "the seeds it is about: 'scene~veach and (budget=30s or method!=path)'");
+    verb.add_option("--ratio-to", options->ratio_to,
+                    "a method, best or none; default: the experiment's baseline");
+    verb.add_option("--sort", options->sort, "rows by name, mean or a column; default: as planned");
+    verb.add_flag("--mean", options->mean, "also geometric means of ratios over the scenes");
+    verb.add_flag("--group", options->group,
+                  "the same of each group of scenes: what stands before the first / of a name");
+    verb.add_option("--hide", options->hidden, "any of mean, ratio, seeds, effort, footer")
+        ->delimiter(',')
+        ->check(
+            CLI::IsMember(std::vector<std::string>(std::begin(kHideable), std::end(kHideable))));
+    verb.add_option("--precision", options->digits,
+                    "significant digits; default: as many as the interval supports")
+        ->check(CLI::Range(1, 17));
     verb.add_option("--format", options->format,
-                    "text, latex or markdown; csv and json list every cell in full precision")
-        ->check(CLI::IsMember({"text", "csv", "json", "latex", "markdown"}))
+                    "text, latex, markdown or html; csv and json list every cell in full "
+                    "precision; latex-macros has a macro for each number")
+        ->check(CLI::IsMember({"text", "csv", "json", "latex", "latex-macros", "markdown", "html"}))
+        ->capture_default_str();
+}
+
+void add_sql(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<SqlOptions>();
+    CLI::App& verb =
+        add_verb(app, "sql", "ask a store in SQL; read only", sql_verb, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+    verb.add_option("query", options->query, "one SELECT; without it, what there is to ask");
+    verb.add_option("--format", options->format, "text, csv, json or markdown")
+        ->check(CLI::IsMember({"text", "csv", "json", "markdown"}))
         ->capture_default_str();
 }
 
@@ -71,6 +101,7 @@ void add_result_verbs(CLI::App& app, Chosen& chosen) {
     add_claims(app, chosen);
     add_report(app, chosen);
     add_compare(app, chosen);
+    add_sql(app, chosen);
 }
 
 }  // namespace misbench

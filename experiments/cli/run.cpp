@@ -202,7 +202,7 @@ std::map<std::string, Cost> put_experiment(const RunOptions& options, const Plan
 
 int print_outcome(const Store& store, const Plan& plan) {
     const Table table =
-        make_table(compare(store, plan), {}, provenance_lines(origins(store, plan)));
+        make_table(compare(store, plan), {}, provenance_lines(store.origins(plan.experiment)));
     print_result(to_text(table));
     if (!plan.claims.empty()) {
         print_result("\n" + claims_to_text({{plan.experiment, judge_claims(store, plan)}}));
@@ -251,6 +251,7 @@ int run_plan(const RunOptions& options, const Plan& plan) {
     }
     Store store(options.store, Store::Access::ReadWrite);
     store.measure(plan);
+    store_comparisons(store, plan);
     return is_complete ? print_outcome(store, plan) : interrupted(store, plan, options);
 }
 

@@ -1,4 +1,6 @@
-// misbench table: what an experiment says.
+// misbench table: what experiments say.
+#include <algorithm>
+
 #include "experiments/analysis/comparison.h"
 #include "experiments/cli/output.h"
 #include "experiments/cli/verbs.h"
@@ -7,28 +9,70 @@
 #include "renderer/base/error.h"
 
 namespace misbench {
+namespace {
+
+// One for each experiment and metric that is asked for.
+std::vector<Comparison> comparisons_of(const Store& store, const TableOptions& options,
+                                       const std::vector<Plan>& plans) {
+    const std::vector<std::string> metrics =
+        options.metrics.empty() ? std::vector<std::string>{""} : options.metrics;
+    std::vector<Comparison> comparisons;
+    for (const Plan& plan : plans) {
+        for (const std::string& metric : metrics) {
+            comparisons.push_back(compare(store, plan,
+                                          {.quantity = metric,
+                                           .budget = std::nullopt,
+                                           .ratio_to = options.ratio_to,
+                                           .where = options.where}));
+            if (options.mean || options.group) {
+                add_means_over_scenes(comparisons.back(), options.group);
+            }
+        }
+    }
+    // Ratios to the best of the same runs are no tests.
+    if (options.ratio_to != kToBest) adjust_p_values(comparisons);
+    return comparisons;
+}
+
+std::string formatted(const Table& table, const std::string& format) {
+    if (format == "latex") return to_latex(table);
+    if (format == "markdown") return to_markdown(table);
+    if (format == "html") return to_html(table);
+    return to_text(table);
+}
+
+}  // namespace
 
 int table_verb(const TableOptions& options) {
     const Store store(options.store, Store::Access::ReadOnly);
-    const Plan plan = store.experiment(options.experiment);
-    const Comparison comparison = compare(store, plan, options.metric);
+    std::vector<Plan> plans;
+    for (const std::string& name : options.experiments) {
+        plans.push_back(store.experiment_head(name));
+    }
+    if (plans.empty()) plans.push_back(store.experiment_head(""));
+    const std::vector<Comparison> comparisons = comparisons_of(store, options, plans);
+    if (std::ranges::all_of(comparisons, [](const auto& c) { return c.cells.empty(); })) {
+        throw Error(Errc::InvalidArgument, "make a table: no seed matches '" + options.where + "'");
+    }
     if (options.format == "csv") {
-        print_result(to_csv(comparison));
-        return 0;
-    }
-    if (options.format == "json") {
-        print_result(to_json(comparison));
-        return 0;
-    }
-    const TableLayout layout{.rows = axis_from_string(options.rows),
-                             .columns = axis_from_string(options.columns)};
-    const Table table = make_table(comparison, layout, provenance_lines(origins(store, plan)));
-    if (options.format == "latex") {
-        print_result(to_latex(table));
-    } else if (options.format == "markdown") {
-        print_result(to_markdown(table));
+        print_result(to_csv(comparisons));
+    } else if (options.format == "json") {
+        print_result(to_json(comparisons));
+    } else if (options.format == "latex-macros") {
+        print_result(to_latex_macros(comparisons, options.digits));
     } else {
-        print_result(to_text(table));
+        std::vector<std::string> provenance;
+        for (const Plan& plan : plans) {
+            for (std::string& line : provenance_lines(store.origins(plan.experiment))) {
+                provenance.push_back(std::move(line));
+            }
+        }
+        const TableLayout layout{.rows = options.rows,
+                                 .columns = options.columns,
+                                 .sort = options.sort,
+                                 .hidden = {options.hidden.begin(), options.hidden.end()},
+                                 .digits = options.digits};
+        print_result(formatted(make_table(comparisons, layout, provenance), options.format));
     }
     return 0;
 }

@@ -96,13 +96,27 @@ int run_verb(const RunOptions& options);
 
 struct TableOptions {
     std::string store;
-    std::string experiment;  // "" for the latest
-    std::string metric;      // "" for the experiment's first
+    std::vector<std::string> experiments;  // none for the latest
+    std::vector<std::string> metrics;      // none for the experiment's first
     std::string rows = "scene";
     std::string columns = "method";
-    std::string format = "text";  // text, csv, json, latex, markdown
+    std::string where;     // a Filter, "" for all
+    std::string ratio_to;  // "" for the experiment's baseline, a label, best or none
+    std::string sort;      // "", name, mean or a column
+    bool mean = false;     // also means over scenes
+    bool group = false;    // the same by the beginning of their names
+    std::vector<std::string> hidden;
+    std::optional<int> digits;
+    std::string format = "text";  // text, csv, json, latex, latex-macros, markdown, html
 };
 int table_verb(const TableOptions& options);
+
+struct SqlOptions {
+    std::string store;
+    std::string query;            // "" prints what there is to ask
+    std::string format = "text";  // text, csv, json, markdown
+};
+int sql_verb(const SqlOptions& options);
 
 struct ClaimsOptions {
     std::string store;

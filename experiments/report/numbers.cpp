@@ -36,27 +36,34 @@ int columns_of(std::uint32_t c) {
 
 }  // namespace
 
-std::string format_mean(const Estimate& mean) {
-    const int exponent = exponent_of(mean.value);
-    const bool scientific = exponent < -4 || exponent > 5;
-    const double scale = scientific ? std::pow(10.0, exponent) : 1.0;
+NumberText mean_text(const Estimate& mean, std::optional<int> digits) {
+    NumberText text;
+    text.exponent = exponent_of(mean.value);
+    const bool scientific = text.exponent < -4 || text.exponent > 5;
+    if (!scientific) text.exponent = 0;
+    const double scale = scientific ? std::pow(10.0, text.exponent) : 1.0;
     const double value = mean.value / scale;
-    if (!mean.interval) {
-        const std::string text = fmt::format("{:.{}f}", value, decimals_for(value, 3));
-        return scientific ? fmt::format("{}e{}", text, exponent) : text;
-    }
-    const double half = half_width(*mean.interval) / scale;
-    const int decimals = decimals_for(half, 2);
-    const std::string text = fmt::format("{:.{}f} ± {:.{}f}", value, decimals, half, decimals);
-    return scientific ? fmt::format("({})e{}", text, exponent) : text;
+    const double half = mean.interval ? half_width(*mean.interval) / scale : 0;
+    int decimals = mean.interval ? decimals_for(half, 2) : decimals_for(value, 3);
+    if (digits) decimals = decimals_for(value, *digits);
+    text.value = fmt::format("{:.{}f}", value, decimals);
+    if (!mean.interval) return text;
+    text.half = fmt::format("{:.{}f}", half, decimals);
+    text.low = fmt::format("{:.{}f}", mean.interval->low / scale, decimals);
+    text.high = fmt::format("{:.{}f}", mean.interval->high / scale, decimals);
+    return text;
 }
 
-std::string format_ratio(const Estimate& ratio) {
+NumberText ratio_text(const Estimate& ratio, std::optional<int> digits) {
+    NumberText text;
     if (!ratio.interval) {
-        return fmt::format("×{:.{}f}", ratio.value, decimals_for(ratio.value, 3));
+        text.value =
+            fmt::format("{:.{}f}", ratio.value, decimals_for(ratio.value, digits.value_or(3)));
+        return text;
     }
     const auto [low, high] = *ratio.interval;
     int decimals = std::max(decimals_for(half_width(*ratio.interval), 2), decimals_for(low, 2));
+    if (digits) decimals = decimals_for(ratio.value, *digits);
     // A bound beyond 1 must not be rounded to it.
     const auto is_one = [&decimals](double bound) {
         return std::abs(bound - 1) < 0.5 * std::pow(10.0, -decimals);
@@ -64,8 +71,25 @@ std::string format_ratio(const Estimate& ratio) {
     while (excludes_one(ratio) && decimals < kMaxDecimals && (is_one(low) || is_one(high))) {
         ++decimals;
     }
-    return fmt::format("×{:.{}f} [{:.{}f}, {:.{}f}]", ratio.value, decimals, low, decimals, high,
-                       decimals);
+    text.value = fmt::format("{:.{}f}", ratio.value, decimals);
+    text.low = fmt::format("{:.{}f}", low, decimals);
+    text.high = fmt::format("{:.{}f}", high, decimals);
+    return text;
+}
+
+std::string format_mean(const Estimate& mean, std::optional<int> digits) {
+    const NumberText text = mean_text(mean, digits);
+    if (text.half.empty()) {
+        return text.exponent == 0 ? text.value : fmt::format("{}e{}", text.value, text.exponent);
+    }
+    const std::string both = text.value + " ± " + text.half;
+    return text.exponent == 0 ? both : fmt::format("({})e{}", both, text.exponent);
+}
+
+std::string format_ratio(const Estimate& ratio, std::optional<int> digits) {
+    const NumberText text = ratio_text(ratio, digits);
+    if (text.low.empty()) return "×" + text.value;
+    return fmt::format("×{} [{}, {}]", text.value, text.low, text.high);
 }
 
 std::string format_duration(double seconds) {

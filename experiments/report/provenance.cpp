@@ -2,29 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace misbench {
-
-std::vector<Origin> origins(const Store& store, const Plan& plan) {
-    std::vector<Origin> found;
-    for (const Cell& cell : plan.cells) {
-        if (cell.role != Role::Test) continue;
-        const std::optional<Record> record = store.run(task_id(cell.task));
-        if (!record) continue;
-        const auto same = [&record](const Origin& origin) {
-            return origin.provenance == record->provenance &&
-                   origin.threads == record->statistics.threads;
-        };
-        auto origin = std::ranges::find_if(found, same);
-        if (origin == found.end()) {
-            found.push_back({record->provenance, record->statistics.threads, 0});
-            origin = found.end() - 1;
-        }
-        ++origin->n_runs;
-    }
-    return found;
-}
 
 std::vector<std::string> provenance_lines(const std::vector<Origin>& origins) {
     std::vector<std::string> lines;

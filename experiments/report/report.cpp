@@ -103,7 +103,7 @@ class Reporter {
         : store_(store), plan_(plan), comparison_(compare(store, plan)) {}
 
     std::string report() const {
-        const std::vector<Origin> from = origins(store_, plan_);
+        const std::vector<Origin> from = store_.origins(plan_.experiment);
         return fill(kReport_html,
                     {{"name", escape_html(plan_.experiment)},
                      {"style", kReport_css},

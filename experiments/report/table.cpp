@@ -1,20 +1,21 @@
 #include "experiments/report/table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 
 #include "experiments/report/numbers.h"
+#include "experiments/report/pivot.h"
 #include "renderer/base/error.h"
 #include "renderer/base/render_statistics.h"
 
 namespace misbench {
 namespace {
 
-constexpr std::array kAxes{Axis::Scenes, Axis::Methods, Axis::Budgets};
-constexpr const char* kDifferentMark = " *";
+constexpr const char* kLessMark = " ▼*";
+constexpr const char* kMoreMark = " ▲*";
 constexpr const char* kFewPassesMark = " †";
 constexpr const char* kHeavyTailMark = " ‡";
 
@@ -32,121 +33,186 @@ struct Footnotes {
     }
 };
 
-Axis third_axis(const TableLayout& layout) {
-    const auto is_free = [&layout](Axis axis) {
-        return axis != layout.rows && axis != layout.columns;
-    };
-    return *std::ranges::find_if(kAxes, is_free);
-}
-
-std::vector<std::string> values_of(const Comparison& comparison, Axis axis) {
-    if (axis == Axis::Scenes) return comparison.scenes;
-    if (axis == Axis::Methods) return comparison.methods;
-    std::vector<std::string> budgets;
-    for (const Budget& budget : comparison.budgets) budgets.push_back(to_string(budget));
-    return budgets;
-}
-
-const ComparedCell* find_cell(const Comparison& comparison,
-                              const std::map<Axis, std::size_t>& place) {
-    return comparison.find(comparison.scenes[place.at(Axis::Scenes)],
-                           comparison.methods[place.at(Axis::Methods)],
-                           comparison.budgets[place.at(Axis::Budgets)]);
-}
-
 Verdict verdict_of(const Comparison& comparison, const ComparedCell& cell) {
-    if (!cell.ratio_excludes_one()) return Verdict::None;
+    if (!cell.differs()) return Verdict::None;
     if (comparison.better == Direction::None) return Verdict::Different;
     return (cell.ratio->value < 1) == (comparison.better == Direction::Less) ? Verdict::Better
                                                                              : Verdict::Worse;
 }
 
-TableCell lay_out_cell(const Comparison& comparison, const ComparedCell* cell, Footnotes& notes) {
-    TableCell text;
-    if (cell == nullptr) {
-        text.mean = "–";
-        return text;
+void lay_out_ratio(TableCell& text, const Comparison& comparison, const ComparedCell& cell,
+                   const TableLayout& layout, Footnotes& notes) {
+    if (comparison.baseline == kToNone || layout.hidden.contains("ratio")) return;
+    text.ratio = cell.is_baseline ? "baseline" : "–";
+    if (!cell.ratio) return;
+    text.verdict = verdict_of(comparison, cell);
+    text.ratio = format_ratio(*cell.ratio, layout.digits);
+    (cell.ratio_is_paired ? notes.paired : notes.unpaired) = true;
+    if (cell.ratio->why_none) text.ratio += notes.mark(*cell.ratio->why_none);
+    if (text.verdict != Verdict::None) {
+        text.ratio += cell.ratio->value < 1 ? kLessMark : kMoreMark;
     }
-    text.status = status_of(*cell);
-    text.verdict = verdict_of(comparison, *cell);
-    if (!cell->mean) return text;
-    text.mean = format_mean(*cell->mean);
-    if (cell->mean->why_none) text.mean += notes.mark(*cell->mean->why_none);
-    if (cell->few_passes) text.mean += kFewPassesMark;
-    if (cell->has_heavy_tail()) text.mean += kHeavyTailMark;
-    notes.few_passes |= cell->few_passes;
-    notes.heavy_tail |= cell->has_heavy_tail();
-    text.ratio = cell->is_baseline ? "baseline" : "–";
-    if (cell->ratio) {
-        text.ratio = format_ratio(*cell->ratio);
-        (cell->ratio_is_paired ? notes.paired : notes.unpaired) = true;
-        if (cell->ratio->why_none) text.ratio += notes.mark(*cell->ratio->why_none);
-        if (text.verdict != Verdict::None) text.ratio += kDifferentMark;
-    }
-    const auto* time = std::get_if<TimeBudget>(&cell->budget);
+}
+
+void lay_out_mean(TableCell& text, const ComparedCell& cell, const TableLayout& layout,
+                  Footnotes& notes) {
+    if (layout.hidden.contains("mean")) return;
+    text.mean = format_mean(*cell.mean, layout.digits);
+    if (cell.mean->why_none) text.mean += notes.mark(*cell.mean->why_none);
+    if (cell.few_passes) text.mean += kFewPassesMark;
+    if (cell.has_heavy_tail()) text.mean += kHeavyTailMark;
+    notes.few_passes |= cell.few_passes;
+    notes.heavy_tail |= cell.has_heavy_tail();
+}
+
+std::string effort_of(const ComparedCell& cell) {
+    const auto* time = std::get_if<TimeBudget>(&cell.budget);
     const bool is_wall = time != nullptr && time->clock == BudgetClock::Wall;
-    text.effort = fmt::format("about {:.0f} spp in {:.3g} s {}", cell->mean_passes,
-                              is_wall ? cell->mean_wall_seconds : cell->mean_cpu_seconds,
-                              is_wall ? "wall" : "cpu");
+    return fmt::format("about {:.0f} spp in {:.3g} s {}", cell.mean_passes,
+                       is_wall ? cell.mean_wall_seconds : cell.mean_cpu_seconds,
+                       is_wall ? "wall" : "cpu");
+}
+
+TableCell lay_out_cell(const Comparison& comparison, const ComparedCell& cell,
+                       const TableLayout& layout, Footnotes& notes) {
+    TableCell text;
+    if (!layout.hidden.contains("seeds")) text.status = status_of(cell);
+    if (cell.mean) {
+        text.number = cell.mean->value;
+        lay_out_mean(text, cell, layout, notes);
+        if (!layout.hidden.contains("effort")) text.effort = effort_of(cell);
+    }
+    if (cell.ratio && (!text.number || layout.hidden.contains("mean"))) {
+        text.number = cell.ratio->value;
+    }
+    if (cell.mean || cell.is_mean_of_scenes) lay_out_ratio(text, comparison, cell, layout, notes);
     return text;
 }
 
-std::string seeds_of(const Comparison& comparison) {
+std::string seeds_of(std::span<const Comparison> comparisons) {
     int fewest = 0;
     int most = 0;
-    for (const ComparedCell& cell : comparison.cells) {
-        fewest = fewest == 0 ? cell.n_planned : std::min(fewest, cell.n_planned);
-        most = std::max(most, cell.n_planned);
+    for (const Comparison& comparison : comparisons) {
+        for (const ComparedCell& cell : comparison.cells) {
+            if (cell.is_mean_of_scenes) continue;
+            fewest = fewest == 0 ? cell.n_planned : std::min(fewest, cell.n_planned);
+            most = std::max(most, cell.n_planned);
+        }
     }
     if (fewest == most) return fmt::format("{} seed{}", most, most == 1 ? "" : "s");
     return fmt::format("{} to {} seeds", fewest, most);
 }
 
-std::vector<std::string> footer_of(const Comparison& comparison, const Footnotes& notes) {
+int n_tests_of(std::span<const Comparison> comparisons) {
+    std::ptrdiff_t n = 0;
+    for (const Comparison& comparison : comparisons) {
+        n += std::ranges::count_if(comparison.cells,
+                                   [](const auto& cell) { return cell.adjusted_p.has_value(); });
+    }
+    return static_cast<int>(n);
+}
+
+std::string metric_line(const Comparison& comparison) {
+    return fmt::format("metric: {}, {}{}", comparison.metric, comparison.formula,
+                       comparison.better == Direction::None
+                           ? ""
+                           : "; " + to_string(comparison.better) + " is better");
+}
+
+std::string ratio_line(const std::string& baseline, const Footnotes& notes, int percent) {
+    const std::string to =
+        baseline == kToBest
+            ? "the best of its scene and budget, by the same runs: a ranking, not a test"
+            : "baseline '" + baseline + "'";
+    return fmt::format("× ratio of means to {} [{} % log-delta-t interval, {}]", to, percent,
+                       kind_of_interval(notes.paired, notes.unpaired));
+}
+
+bool is_efficiency(const Comparison& comparison) { return comparison.metric.starts_with("1/("); }
+
+std::vector<std::string> footer_of(std::span<const Comparison> comparisons, const Footnotes& notes,
+                                   const TableLayout& layout) {
     const auto percent = static_cast<int>(100 * kConfidence + 0.5);
-    std::vector<std::string> footer{
-        fmt::format("metric: {}, {}{}", comparison.metric, comparison.formula,
-                    comparison.better == Direction::None
-                        ? ""
-                        : "; " + to_string(comparison.better) + " is better"),
-        fmt::format("mean over {} ± half of its {} % Student t interval", seeds_of(comparison),
-                    percent),
-        fmt::format("× ratio of means to baseline '{}' [{} % log-delta-t interval, {}]",
-                    comparison.baseline, percent, kind_of_interval(notes.paired, notes.unpaired)),
-        "* the interval of the ratio excludes 1"};
-    if (notes.few_passes) footer.push_back(few_passes_footnote());
-    if (notes.heavy_tail) footer.push_back(heavy_tail_footnote());
+    std::vector<std::string> footer;
+    const auto add = [&footer](const std::string& line) {
+        if (std::ranges::find(footer, line) == footer.end()) footer.push_back(line);
+    };
+    for (const Comparison& comparison : comparisons) add(metric_line(comparison));
+    if (!layout.hidden.contains("mean")) {
+        const bool is_mixed = std::ranges::any_of(comparisons, is_efficiency);
+        add(fmt::format("mean over {} ± half of its {} % Student t interval{}",
+                        seeds_of(comparisons), percent,
+                        is_mixed ? "; of 1/(…) the reciprocals of both ends" : ""));
+    }
+    const int n_tests = layout.hidden.contains("ratio") ? 0 : n_tests_of(comparisons);
+    for (const Comparison& comparison : comparisons) {
+        if (comparison.baseline == kToNone || layout.hidden.contains("ratio")) continue;
+        add(ratio_line(comparison.baseline, notes, percent));
+    }
+    if (n_tests > 0) {
+        add(
+            fmt::format("▼* ▲* the ratio is not 1: p ≤ {:.2g}, adjusted for all {} ratios of the "
+                        "table (Benjamini-Hochberg)",
+                        1 - kConfidence, n_tests));
+    }
+    if (notes.few_passes) add(few_passes_footnote());
+    if (notes.heavy_tail) add(heavy_tail_footnote());
     for (const auto& [reason, letter] : notes.reasons) {
-        footer.push_back(fmt::format("{} no interval: {}", letter, to_string(reason)));
+        add(fmt::format("{} no interval: {}", letter, to_string(reason)));
     }
     return footer;
 }
 
-// No row for what the experiment excludes altogether.
-bool is_empty(const std::vector<const ComparedCell*>& cells) {
-    return std::ranges::all_of(cells, [](const ComparedCell* cell) { return cell == nullptr; });
+std::string title_of(std::span<const Comparison> comparisons) {
+    std::vector<std::string> experiments;
+    std::vector<std::string> metrics;
+    std::vector<std::string> budgets;
+    const auto add = [](std::vector<std::string>& list, const std::string& text) {
+        if (std::ranges::find(list, text) == list.end()) list.push_back(text);
+    };
+    for (const Comparison& comparison : comparisons) {
+        add(experiments, comparison.experiment);
+        add(metrics, comparison.metric);
+        for (const Budget& budget : comparison.budgets) add(budgets, to_string(budget));
+    }
+    std::string title =
+        fmt::format("{}: {}", fmt::join(experiments, ", "), fmt::join(metrics, ", "));
+    if (budgets.size() == 1) title += ", " + budgets.front();
+    return title;
+}
+
+// Rows without a number come last, means over scenes behind them.
+void sort_rows(Table& table, const std::string& by) {
+    if (by.empty()) return;
+    const auto column = std::ranges::find(table.columns, by);
+    if (by != "name" && by != "mean" && column == table.columns.end()) {
+        throw Error(Errc::InvalidArgument,
+                    fmt::format("sort rows: unknown column '{}'; known: name mean {}", by,
+                                fmt::join(table.columns, " ")));
+    }
+    const auto number_of = [&](const TableRow& row) {
+        if (column != table.columns.end()) {
+            return row.cells[static_cast<std::size_t>(column - table.columns.begin())].number;
+        }
+        double sum = 0;
+        int n = 0;
+        for (const TableCell& cell : row.cells) {
+            sum += cell.number.value_or(0);
+            n += cell.number ? 1 : 0;
+        }
+        return n == 0 ? std::nullopt : std::optional(sum / n);
+    };
+    std::ranges::stable_sort(table.rows, [&](const TableRow& a, const TableRow& b) {
+        if (a.is_mean_of_scenes != b.is_mean_of_scenes) return b.is_mean_of_scenes;
+        if (by == "name") return a.labels < b.labels;
+        const auto left = number_of(a);
+        const auto right = number_of(b);
+        if (left.has_value() != right.has_value()) return left.has_value();
+        return left && *left < *right;
+    });
 }
 
 }  // namespace
-
-std::string to_string(Axis axis) {
-    switch (axis) {
-        case Axis::Scenes:
-            return "scene";
-        case Axis::Methods:
-            return "method";
-        case Axis::Budgets:
-            break;
-    }
-    return "budget";
-}
-
-Axis axis_from_string(const std::string& text) {
-    for (const Axis axis : kAxes) {
-        if (to_string(axis) == text) return axis;
-    }
-    throw Error(Errc::InvalidArgument, "unknown axis '" + text + "'; known: scene method budget");
-}
 
 std::string kind_of_interval(bool some_paired, bool some_unpaired) {
     if (!some_paired) return "Welch";
@@ -165,45 +231,38 @@ std::string heavy_tail_footnote() {
         kHeavyTail);
 }
 
-Table make_table(const Comparison& comparison, const TableLayout& layout,
+Table make_table(std::span<const Comparison> comparisons, const TableLayout& layout,
                  const std::vector<std::string>& provenance) {
-    if (layout.rows == layout.columns) {
-        throw Error(Errc::InvalidArgument,
-                    "lay out table: rows and columns are both '" + to_string(layout.rows) + "'");
-    }
-    const Axis further = third_axis(layout);
-    const std::vector<std::string> rows = values_of(comparison, layout.rows);
-    const std::vector<std::string> columns = values_of(comparison, layout.columns);
-    const std::vector<std::string> further_rows = values_of(comparison, further);
-    const bool names_further = further_rows.size() > 1;
-
+    const Pivot pivoted = pivot(comparisons, layout.rows, layout.columns);
     Table table;
-    table.title = comparison.experiment + ": " + comparison.metric;
-    if (!names_further && !further_rows.empty()) table.title += ", " + further_rows.front();
-    table.label_headers = {to_string(layout.rows)};
-    if (names_further) table.label_headers.push_back(to_string(further));
-    table.columns = columns;
-
+    table.title = title_of(comparisons);
+    table.label_headers = pivoted.row_axes;
+    table.columns = pivoted.columns;
     Footnotes notes;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        for (std::size_t f = 0; f < further_rows.size(); ++f) {
-            std::vector<const ComparedCell*> cells;
-            for (std::size_t c = 0; c < columns.size(); ++c) {
-                cells.push_back(
-                    find_cell(comparison, {{layout.rows, r}, {layout.columns, c}, {further, f}}));
+    for (const Pivot::Row& from : pivoted.rows) {
+        TableRow& row = table.rows.emplace_back();
+        row.labels = from.labels;
+        for (std::size_t c = 0; c < table.columns.size(); ++c) {
+            const auto found = from.cells.find(c);
+            if (found == from.cells.end()) {
+                row.cells.emplace_back().mean = "–";
+                continue;
             }
-            if (is_empty(cells)) continue;
-            TableRow& row = table.rows.emplace_back();
-            row.labels = {rows[r]};
-            if (names_further) row.labels.push_back(further_rows[f]);
-            for (const ComparedCell* cell : cells) {
-                row.cells.push_back(lay_out_cell(comparison, cell, notes));
-            }
+            const auto& [comparison, cell] = found->second;
+            row.cells.push_back(lay_out_cell(*comparison, *cell, layout, notes));
+            row.is_mean_of_scenes |= cell->is_mean_of_scenes && layout.rows == "scene";
         }
     }
-    table.footer = footer_of(comparison, notes);
+    sort_rows(table, layout.sort);
+    if (layout.hidden.contains("footer")) return table;
+    table.footer = footer_of(comparisons, notes, layout);
     table.footer.insert(table.footer.end(), provenance.begin(), provenance.end());
     return table;
+}
+
+Table make_table(const Comparison& comparison, const TableLayout& layout,
+                 const std::vector<std::string>& provenance) {
+    return make_table(std::span(&comparison, 1), layout, provenance);
 }
 
 }  // namespace misbench

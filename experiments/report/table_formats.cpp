@@ -12,11 +12,17 @@ namespace {
 
 constexpr std::string_view kColumnGap = "   ";
 
-// The lines of a cell that are not empty.
-std::vector<std::string> lines_of(const TableCell& cell) {
+using Style = std::string (*)(const std::string&);
+std::string as_it_is(const std::string& text) { return text; }
+
+// The lines of a cell that are not empty; a ratio that differs in bold.
+std::vector<std::string> lines_of(const TableCell& cell, Style escape = as_it_is,
+                                  Style bold = as_it_is) {
     std::vector<std::string> lines;
-    for (const std::string& line : {cell.mean, cell.ratio, cell.status}) {
-        if (!line.empty()) lines.push_back(line);
+    for (const std::string* line : {&cell.mean, &cell.ratio, &cell.status}) {
+        if (line->empty()) continue;
+        const bool is_bold = line == &cell.ratio && cell.verdict != Verdict::None;
+        lines.push_back(is_bold ? bold(escape(*line)) : escape(*line));
     }
     return lines;
 }
@@ -82,9 +88,10 @@ constexpr std::string_view class_of(Verdict verdict) {
     return "";
 }
 
-std::string html_span(std::string_view css_class, const std::string& text) {
+std::string html_span(std::string_view css_class, const std::string& text, bool is_bold = false) {
     if (text.empty()) return "";
-    return "<span class=\"" + std::string(css_class) + "\">" + escape_html(text) + "</span>";
+    const std::string escaped = is_bold ? "<b>" + escape_html(text) + "</b>" : escape_html(text);
+    return "<span class=\"" + std::string(css_class) + "\">" + escaped + "</span>";
 }
 
 }  // namespace
@@ -111,6 +118,9 @@ std::string escape_latex(std::string_view text) {
                                      {"]", "{]}"},
                                      {"±", "$\\pm$"},
                                      {"×", "$\\times$"},
+                                     {"▼", "$\\downarrow$"},
+                                     {"▲", "$\\uparrow$"},
+                                     {"≤", "$\\le$"},
                                      {"†", "\\dag{}"},
                                      {"‡", "\\ddag{}"},
                                      {"–", "--"}});
@@ -157,8 +167,9 @@ std::string to_markdown(const Table& table) {
         text += "|";
         for (const std::string& label : row.labels) text += " " + escape_markdown(label) + " |";
         for (const TableCell& cell : row.cells) {
-            std::vector<std::string> lines = lines_of(cell);
-            for (std::string& line : lines) line = escape_markdown(line);
+            const auto lines = lines_of(
+                cell, [](const std::string& line) { return escape_markdown(line); },
+                [](const std::string& line) { return "**" + line + "**"; });
             text += " " + join(lines, "<br>") + " |";
         }
         text += "\n";
@@ -182,8 +193,9 @@ std::string to_latex(const Table& table) {
         cells.clear();
         for (const std::string& label : row.labels) cells.push_back(escape_latex(label));
         for (const TableCell& cell : row.cells) {
-            std::vector<std::string> lines = lines_of(cell);
-            for (std::string& line : lines) line = escape_latex(line);
+            const auto lines = lines_of(
+                cell, [](const std::string& line) { return escape_latex(line); },
+                [](const std::string& line) { return "\\textbf{" + line + "}"; });
             cells.push_back(lines.size() < 2 ? join(lines, "")
                                              : "\\shortstack[r]{" + join(lines, "\\\\") + "}");
         }
@@ -202,7 +214,8 @@ std::string to_html(const Table& table) {
         for (const auto& label : row.labels) html += "<th>" + escape_html(label) + "</th>";
         for (const TableCell& cell : row.cells) {
             html += "<td class=\"" + std::string(class_of(cell.verdict)) + "\">" +
-                    html_span("mean", cell.mean) + html_span("ratio", cell.ratio) +
+                    html_span("mean", cell.mean) +
+                    html_span("ratio", cell.ratio, cell.verdict != Verdict::None) +
                     html_span("status", cell.status) + html_span("effort", cell.effort) + "</td>";
         }
         html += "</tr>\n";

@@ -1,6 +1,8 @@
 // A table in the formats people read or paste, and a comparison in those that programs read.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -19,7 +21,14 @@ std::string to_latex(const Table& table);     // a tabular with booktabs' rules,
 std::string to_html(const Table& table);      // a table element and its footer
 
 // One row per scene, method and budget, all numbers in full precision; empty where there is none.
-std::string to_csv(const Comparison& comparison);
-std::string to_json(const Comparison& comparison);
+std::string to_csv(std::span<const Comparison> comparisons);
+// An object; a list of them for several.
+std::string to_json(std::span<const Comparison> comparisons);
+
+// One \\newcommand for each number of the table, with its digits, so that prose need not copy:
+// \\<Experiment><Metric><Scene><Method><Budget>Mean, …MeanLow, …MeanHigh, …Ratio, …RatioLow,
+// …RatioHigh, of letters only. Names that would be the same get five further letters that follow
+// from what they stand for, so that no name depends on what else is in the table's order.
+std::string to_latex_macros(std::span<const Comparison> comparisons, std::optional<int> digits);
 
 }  // namespace misbench

@@ -138,6 +138,14 @@ LogRatio mean_log_ratio(std::span<const LogRatio> ratios) {
     return mean;
 }
 
+double p_value(const LogRatio& ratio) {
+    if (ratio.is_identity) return 1;
+    MISBENCH_CHECK(!ratio.why_none);
+    const boost::math::students_t t(ratio.degrees_of_freedom);
+    return 2 * boost::math::cdf(
+                   boost::math::complement(t, std::abs(ratio.value) / std::sqrt(ratio.variance)));
+}
+
 Estimate to_ratio(const LogRatio& ratio, double confidence) {
     const double value = std::exp(ratio.value);
     if (ratio.why_none) return without_interval(value, *ratio.why_none);

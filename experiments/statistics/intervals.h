@@ -77,6 +77,11 @@ std::optional<LogRatio> paired_log_ratio(std::span<const double> a, std::span<co
 // Of the geometric mean of independent ratios, none of them absent and one at least.
 LogRatio mean_log_ratio(std::span<const LogRatio> ratios);
 
+// Of the two-sided test of a ratio of one, that is a `value` of zero; below 1 - confidence exactly
+// where the interval of that confidence excludes one. 1 for an identity.
+// REQUIRES: there is an interval, or it is an identity.
+double p_value(const LogRatio& ratio);
+
 // The ratio with its interval.
 Estimate to_ratio(const LogRatio& ratio, double confidence = kConfidence);
 std::optional<Estimate> estimate_ratio(std::span<const double> a, std::span<const double> b);

@@ -134,6 +134,7 @@ TEST_F(ComparisonTest, HasNoNumbersBeforeTheFirstRun) {
 TEST_F(ComparisonTest, LeavesOutExcludedCellsAndHasNoRatioWithoutTheirBaseline) {
     Plan plan = plan_;
     std::erase_if(plan.cells, [](const Cell& cell) { return cell.method == "plain"; });
+    store_.put_experiment(plan);
     commit_all(store_, plan);
     store_.measure(plan);
     const Comparison comparison = compare(store_, plan);
@@ -145,6 +146,7 @@ TEST_F(ComparisonTest, MarksFewPassesUnderATimeBudgetOnly) {
     const Budget time = TimeBudget{0.5, BudgetClock::Cpu};
     for (const Budget& budget : {time, budget_}) {
         const Plan plan = made_up_plan("second", 3, budget);
+        store_.put_experiment(plan);
         for (const Cell& cell : plan.cells) {
             const bool few = cell.method == "clever" && cell.seed == 2;
             commit(cell, [few](Record& record) {
@@ -169,7 +171,8 @@ TEST_F(ComparisonTest, TakesTheMetricAndTheBudgetAskedFor) {
     } catch (const ParameterError& e) {
         EXPECT_STREQ(e.what(),
                      "experiment 'first' does not measure 'mean'; known: relmse.eps0.01 mse "
-                     "seconds_per_pass");
+                     "seconds_per_pass passes cpu_seconds wall_seconds rays, and METRIC*cpu and "
+                     "1/(METRIC*cpu)");
     }
     try {
         compare(store_, plan_, "mse", SampleBudget{17});

@@ -136,7 +136,7 @@ TEST_F(StoreDatabaseTest, RefusesAnotherSchemaVersionAndSaysWhatHelps) {
     }
     for (const auto access : {Store::Access::ReadOnly, Store::Access::ReadWrite}) {
         EXPECT_THAT(message_of(Errc::FailedPrecondition, [&] { open(access); }),
-                    HasSubstr("its schema is version 77, this program's is 1; `misbench reindex`"));
+                    HasSubstr("its schema is version 77, this program's is 2; `misbench reindex`"));
     }
 }
 
