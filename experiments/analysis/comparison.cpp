@@ -67,16 +67,6 @@ void count(ComparedCell& cell, const Cell& planned, const Known& known) {
     cell.mean_cpu_seconds += summary.cpu_seconds;
 }
 
-std::optional<double> tail_of(std::vector<double> values) {
-    if (values.size() < kFewestForInterval) return std::nullopt;
-    std::ranges::sort(values);
-    const std::size_t middle = values.size() / 2;
-    const double median =
-        values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-    if (median <= 0) return std::nullopt;
-    return values.back() / median;
-}
-
 void finish(ComparedCell& cell) {
     if (cell.n_measured > 0) {
         cell.mean_passes /= cell.n_measured;
@@ -84,7 +74,7 @@ void finish(ComparedCell& cell) {
         cell.mean_cpu_seconds /= cell.n_measured;
     }
     cell.mean = estimate_mean(cell.values);
-    cell.tail = tail_of(cell.values);
+    cell.tail = max_over_median(cell.values);
 }
 
 std::vector<Budget> wanted_budgets(const Plan& plan, const std::optional<Budget>& budget) {
