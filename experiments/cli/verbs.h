@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "experiments/analysis/bias.h"
+
 namespace misbench {
 
 inline constexpr int kExitSomeFailed = 1;
@@ -111,6 +113,24 @@ struct ClaimsOptions {
 };
 // What claims come to is a finding, never an error.
 int claims_verb(const ClaimsOptions& options);
+
+struct BiasVerbOptions {
+    std::string store;
+    std::string experiment;  // "" for the latest
+    BiasOptions bias;
+    std::string format = "text";  // text, csv, json, markdown
+    std::string maps;             // folder, "" for none
+};
+// A bias is a finding, never an error.
+int bias_verb(const BiasVerbOptions& options);
+
+struct SelfTestOptions {
+    std::string store;
+    std::string experiment;
+    std::string metric;  // "" for the experiment's first
+};
+// Returns kExitSomeFailed where the comparison does not pass, or nothing could be tested.
+int selftest_verb(const SelfTestOptions& options);
 
 struct ReportOptions {
     std::string store;
