@@ -18,12 +18,24 @@ namespace misbench {
 inline constexpr int kResamples = 999;
 
 // The ratio of means, as log_ratio and paired_log_ratio give it. Coverage of the 95 % intervals of
-// independent values, in percent, beside the delta method's (estimate_ratio); A/B:
+// independent values, in percent: the delta method's (estimate_ratio), then this one's, of lognormal
+// errors with these spreads, and of such of which 20 % are five times larger (20 000 and 2500
+// trials):
 //
-//     COVERAGE_TABLE
+//                           n = 5         n = 10        n = 20        n = 40
+//     spreads             delta this    delta this    delta this    delta this
+//     0.2, 0.2             95.6 95.2     95.0 95.6     95.2 95.2     95.2 95.2
+//     0.5, 0.5             94.8 95.8     94.2 94.1     94.3 94.2     94.9 94.3
+//     0.2, 0.5             93.5 93.6     93.6 93.6     94.0 94.8     94.5 94.6
+//     0.8, 0.8             93.0 93.4     92.7 93.0     93.2 93.0     94.0 93.0
+//     0.2, 0.8             90.4 90.8     90.9 91.7     92.2 93.4     92.7 93.9
+//     0.2 spiky, 0.2       67.4 69.6     87.1 87.8     92.4 96.5     94.0 98.2
+//     both spiky           93.2 94.9     91.0 91.6     92.9 96.1     94.3 96.1
 //
-// It agrees with the delta method but for unequal shapes and tails, where both are too short: then
-// the tail is what to look at (tail.h).
+// So both hold the truth in 93 to 97 % of experiments for spreads up to 0.5 (the delta method from 3
+// seeds on: 96, 96 and 94), and neither does for a skewed method against a calm one: then the tail
+// is what to look at (tail.h). Of pairs with spread 0.5 and correlations -0.5 to 0.95 this one holds
+// it in 94 to 95 %; with spread 0.8, in 92 to 94, where the delta method holds it in 90 to 94.
 std::optional<Estimate> bootstrap_ratio(std::span<const double> a, std::span<const double> b);
 std::optional<Estimate> bootstrap_paired_ratio(std::span<const double> a,
                                                std::span<const double> b);

@@ -1,6 +1,8 @@
+// [AS64]   M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 1964.
 #include "experiments/statistics/tile_test.h"
 
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <functional>
@@ -101,16 +103,15 @@ double two_sided_p(double t, double degrees_of_freedom) {
            boost::math::cdf(boost::math::complement(students_t(degrees_of_freedom), std::abs(t)));
 }
 
-// The p value of a difference without what may be rounding, and without the skewness δ where that
-// lessens it: the mean of few seeds with rare bright samples lies below its expectation just when
-// its standard error is small as well.  [Hal92], [ZD05]
-double guarded_p_value(const SeedMean& difference, double allowed) {
+// The p value of a difference without what may be rounding, with a standard error that may be
+// larger than its own, and without the skewness δ where that lessens it.  [Hal92], [ZD05]
+double guarded_p_value(const SeedMean& difference, double standard_error, double allowed) {
     const double excess = std::abs(difference.value) - allowed;
     if (excess <= 0) return 1;
-    if (difference.variance <= 0) return 0;
-    const double standard_error = std::sqrt(difference.variance);
+    if (standard_error <= 0) return 0;
     double t = std::copysign(excess / standard_error, difference.value);
-    const double delta = difference.third_moment / (difference.variance * standard_error);
+    const double delta =
+        difference.third_moment / (standard_error * standard_error * standard_error);
     const double straight = t + delta * t * t / 3 + delta * delta * t * t * t / 27 + delta / 6;
     if (std::abs(straight) < std::abs(t)) t = straight;
     return two_sided_p(t, difference.degrees_of_freedom);
@@ -135,14 +136,52 @@ double median(Values values) {
     return *middle;
 }
 
-std::vector<PixelRect> tiles_of(int width, int height, int side) {
-    std::vector<PixelRect> tiles;
-    for (int y = 0; y < height; y += side) {
-        for (int x = 0; x < width; x += side) {
-            tiles.push_back({x, y, std::min(x + side, width), std::min(y + side, height)});
+// A tile before it is judged.
+struct Measured {
+    TileDifference test;
+    SeedMean difference;
+    double brightness = 0;
+};
+
+// Row by row; `row_length` of them in a row.
+struct MeasuredTiles {
+    std::vector<Measured> tiles;
+    int row_length = 0;
+};
+
+// The median of the standard errors, relative to the brightness, of the tiles around one. Zero
+// where there are none. Noise varies little from tile to tile, but its estimate from few seeds
+// does.
+double typical_error_around(const MeasuredTiles& all, int index) {
+    const int n_rows = static_cast<int>(all.tiles.size()) / all.row_length;
+    const int row = index / all.row_length;
+    const int column = index % all.row_length;
+    Values errors;
+    for (int y = std::max(row - 1, 0); y < std::min(row + 2, n_rows); ++y) {
+        for (int x = std::max(column - 1, 0); x < std::min(column + 2, all.row_length); ++x) {
+            const int neighbour = y * all.row_length + x;
+            const Measured& tile = all.tiles[static_cast<std::size_t>(neighbour)];
+            if (neighbour == index || tile.brightness <= 0) continue;
+            errors.push_back(tile.test.standard_error / tile.brightness);
         }
     }
-    return tiles;
+    return median(std::move(errors));
+}
+
+// Nothing but rounding on both sides: there is no test.
+bool is_constant(const Measured& tile) {
+    return tile.test.standard_error <= kNoNoise * tile.brightness && tile.test.guarded_p == 1;
+}
+
+void judge(Measured& tile, double typical_error) {
+    TileDifference& test = tile.test;
+    // Without noise of its own a tile is not given that of others.
+    const bool is_noisy = test.standard_error > kNoNoise * tile.brightness;
+    test.guarded_error =
+        is_noisy ? std::max(test.standard_error, typical_error * tile.brightness) : 0;
+    test.guarded_p =
+        guarded_p_value(tile.difference, test.guarded_error, kRounding * tile.brightness);
+    test.p_value = is_noisy ? two_sided_p(test.z(), test.degrees_of_freedom) : test.guarded_p;
 }
 
 // The tests of one scale but for what depends on the number of scales.
@@ -150,38 +189,55 @@ ScaleTest test_scale(std::span<const TileSums> first, std::span<const TileSums> 
                      double image_mean, const TileTestOptions& options) {
     ScaleTest scale;
     scale.side = side;
+    MeasuredTiles all{.tiles = {}, .row_length = n_tiles(first[0].width, side)};
     double worst = 0;
     bool has_bright_tile = false;
-    for (const PixelRect& tile : tiles_of(first[0].width, first[0].height, side)) {
-        const Values a = means_of(first, tile);
-        const Values b = means_of(second, tile);
-        const SeedMean difference = difference_of(a, b, 1, options.is_paired);
-        TileDifference test{.tile = tile,
-                            .first = mean_over_seeds(a).value,
-                            .second = mean_over_seeds(b).value,
-                            .standard_error = std::sqrt(difference.variance),
-                            .degrees_of_freedom = difference.degrees_of_freedom};
-        if (test.second > kDark * image_mean) {
-            worst = std::max(worst, equivalence_p_value(a, b, options.margin, options.is_paired));
-            has_bright_tile = true;
+    for (int y = 0; y < first[0].height; y += side) {
+        for (int x = 0; x < first[0].width; x += side) {
+            const PixelRect tile{x, y, std::min(x + side, first[0].width),
+                                 std::min(y + side, first[0].height)};
+            const Values a = means_of(first, tile);
+            const Values b = means_of(second, tile);
+            Measured measured;
+            measured.test.tile = tile;
+            measured.difference = difference_of(a, b, 1, options.is_paired);
+            measured.test.first = mean_over_seeds(a).value;
+            measured.test.second = mean_over_seeds(b).value;
+            measured.test.standard_error = std::sqrt(measured.difference.variance);
+            measured.test.degrees_of_freedom = measured.difference.degrees_of_freedom;
+            measured.brightness =
+                0.5 * (std::abs(measured.test.first) + std::abs(measured.test.second));
+            all.tiles.push_back(measured);
+            if (measured.test.second > kDark * image_mean) {
+                worst =
+                    std::max(worst, equivalence_p_value(a, b, options.margin, options.is_paired));
+                has_bright_tile = true;
+            }
         }
-        const double brightness = 0.5 * (std::abs(test.first) + std::abs(test.second));
-        test.guarded_p = guarded_p_value(difference, kRounding * brightness);
-        if (test.standard_error <= kNoNoise * brightness) {
-            if (test.guarded_p == 1) continue;
-            test.p_value = test.guarded_p = 0;
-        } else {
-            test.p_value = two_sided_p(test.z(), test.degrees_of_freedom);
-        }
-        scale.tiles.push_back(test);
-        ++scale.histogram.at(static_cast<std::size_t>(std::min(9.0, 10 * test.p_value)));
     }
     if (has_bright_tile) scale.equivalence_p = worst;
+    for (int i = 0; i < static_cast<int>(all.tiles.size()); ++i) {
+        Measured& tile = all.tiles[static_cast<std::size_t>(i)];
+        judge(tile, typical_error_around(all, i));
+        if (is_constant(tile)) continue;
+        scale.tiles.push_back(tile.test);
+        ++scale.histogram.at(static_cast<std::size_t>(std::min(9.0, 10 * tile.test.p_value)));
+    }
     Values p;
     for (const TileDifference& tile : scale.tiles) p.push_back(tile.guarded_p);
     const Values adjusted = benjamini_hochberg(p);
     for (std::size_t i = 0; i < adjusted.size(); ++i) scale.tiles[i].adjusted_p = adjusted[i];
     return scale;
+}
+
+// Standard errors between a mean and zero for a two-sided test at `level` to find it with
+// probability kPower: the noncentral t distribution as a normal one.  [AS64, 26.7.10]
+double detectable_distance(double level, double degrees_of_freedom) {
+    const students_t t(degrees_of_freedom);
+    const double limit = boost::math::quantile(boost::math::complement(t, level / 2));
+    return limit * (1 - 1 / (4 * degrees_of_freedom)) +
+           boost::math::quantile(boost::math::normal(), kPower) *
+               std::sqrt(1 + limit * limit / (2 * degrees_of_freedom));
 }
 
 // At the level at which a single tile is found among all of its scale.
@@ -191,11 +247,9 @@ void find_detectable_bias(ScaleTest& scale, double image_mean, double level_of_s
     Values of_image;
     for (const TileDifference& tile : scale.tiles) {
         if (!(tile.second > kDark * image_mean)) continue;
-        const students_t t(tile.degrees_of_freedom);
-        const double bias = kRounding * tile.second +
-                            (boost::math::quantile(boost::math::complement(t, level / 2)) +
-                             boost::math::quantile(t, kPower)) *
-                                tile.standard_error;
+        const double bias =
+            kRounding * tile.second +
+            detectable_distance(level, tile.degrees_of_freedom) * tile.guarded_error;
         of_tile.push_back(bias / tile.second);
         of_image.push_back(bias / image_mean);
     }
