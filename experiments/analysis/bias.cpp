@@ -118,7 +118,7 @@ std::string to_string(BiasFinding finding) {
         case BiasFinding::Biased:
             return "biased";
         case BiasFinding::Equivalent:
-            return "equivalent";
+            return "equivalent (image)";
         case BiasFinding::NotFound:
             return "no bias found";
         case BiasFinding::NothingToTest:

@@ -14,14 +14,15 @@
 namespace misbench {
 
 struct BiasOptions {
-    std::string against;   // a label; "" for the plan's baseline
-    std::string budget;    // "16 spp"; "" for the last of the plan, to which budgets usually rise
+    std::string against = {};  // a label; "" for the plan's baseline
+    std::string budget =
+        {};                // "16 spp"; "" for the last of the plan, to which budgets usually rise
     double margin = 0.01;  // of equivalence
     double alpha = 0.01;   // of all scenes and methods together, as a rate of false findings
 };
 
 enum class BiasFinding {
-    Biased,
+    Biased,          // at some scale, even where the whole image is equivalent
     Equivalent,      // no bias found, and the whole image lies within the margin
     NotFound,        // no bias found; what would have been is ImageTest's detectable bias
     NothingToTest,   // the same images: equal methods, or without noise

@@ -53,14 +53,13 @@ void add_bias(CLI::App& app, Chosen& chosen) {
         add_verb(app, "bias", "print which method is biased where", bias_verb, options, chosen);
     verb.add_option("store", options->store, "results store")->required();
     verb.add_option("--experiment", options->experiment, "its name; default: the latest");
-    verb.add_option("--against", options->bias.against,
+    verb.add_option("--against", options->against,
                     "the method that is taken for unbiased; default: the baseline");
-    verb.add_option("--budget", options->bias.budget,
-                    "as in tables, \"16 spp\"; default: the last");
-    verb.add_option("--margin", options->bias.margin, "of equivalence, relative to the mean")
+    verb.add_option("--budget", options->budget, "as in tables, \"16 spp\"; default: the last");
+    verb.add_option("--margin", options->margin, "of equivalence, relative to the mean")
         ->check(CLI::Range(1e-6, 0.99))
         ->capture_default_str();
-    verb.add_option("--alpha", options->bias.alpha, "rate of false findings")
+    verb.add_option("--alpha", options->alpha, "rate of false findings")
         ->check(CLI::Range(1e-9, 0.5))
         ->capture_default_str();
     verb.add_option("--format", options->format, "text, csv, json or markdown")

@@ -37,7 +37,11 @@ void write_maps(const Bias& bias, const std::filesystem::path& folder) {
 
 int bias_verb(const BiasVerbOptions& options) {
     const Store store(options.store, Store::Access::ReadOnly);
-    const Bias bias = find_bias(store, store.experiment(options.experiment), options.bias);
+    const Bias bias = find_bias(store, store.experiment(options.experiment),
+                                {.against = options.against,
+                                 .budget = options.budget,
+                                 .margin = options.margin,
+                                 .alpha = options.alpha});
     if (!options.maps.empty()) write_maps(bias, options.maps);
     if (options.format == "csv") {
         print_result(bias_to_csv(bias));

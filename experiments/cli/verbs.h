@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "experiments/analysis/bias.h"
-
 namespace misbench {
 
 inline constexpr int kExitSomeFailed = 1;
@@ -117,7 +115,10 @@ int claims_verb(const ClaimsOptions& options);
 struct BiasVerbOptions {
     std::string store;
     std::string experiment;  // "" for the latest
-    BiasOptions bias;
+    std::string against;     // a label, "" for the baseline
+    std::string budget;      // "" for the last
+    double margin = 0.01;
+    double alpha = 0.01;
     std::string format = "text";  // text, csv, json, markdown
     std::string maps;             // folder, "" for none
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "experiments/report/table_formats.h"
@@ -13,7 +14,9 @@ namespace {
 
 std::string percent(double part) { return fmt::format("{:.2g} %", 100 * part); }
 
-std::string signed_percent(double part) { return fmt::format("{:+.2g} %", 100 * part); }
+std::string signed_percent(double part) {
+    return fmt::format("{:+.{}f} %", 100 * part, std::abs(part) < 0.1 ? 2 : 0);
+}
 
 std::string where_of(const PixelRect& tile) {
     return fmt::format("x {}…{}, y {}…{}", tile.x0, tile.x1 - 1, tile.y0, tile.y1 - 1);
@@ -62,8 +65,10 @@ std::string detectable_of(const BiasCell& cell) {
     if (!cell.test) return text;
     for (const ScaleTest& scale : cell.test->scales) {
         if (scale.detectable_of_tile <= 0) continue;
-        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(cell, scale),
-                            percent(scale.detectable_of_tile));
+        // No method loses more than all of the light.
+        text += fmt::format(
+            "{}{} {}", text.empty() ? "" : ", ", name_of(cell, scale),
+            scale.detectable_of_tile < 1 ? percent(scale.detectable_of_tile) : "> 100 %");
     }
     return text;
 }

@@ -81,7 +81,7 @@ TEST_F(BiasTest, IsFoundWhereItIs) {
     EXPECT_GT(map.rgb[0], 0.2);
 
     EXPECT_THAT(to_text(bias_table(bias)), HasSubstr("x 16…23, y 8…15"));
-    EXPECT_THAT(to_markdown(bias_table(bias)), HasSubstr("| biased *"));
+    EXPECT_THAT(to_markdown(bias_table(bias)), HasSubstr("| biased \\*"));
     const auto json = nlohmann::json::parse(bias_to_json(bias));
     EXPECT_EQ(json["cells"][0]["scales"][0]["strongest"]["x0"], 16);
     EXPECT_THAT(bias_to_csv(bias), HasSubstr("Box,clever,biased,8,8,"));
