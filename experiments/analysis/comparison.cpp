@@ -89,16 +89,6 @@ void count(ComparedCell& cell, const CellSeeds& seeds, std::size_t i, const Quan
     cell.mean_cpu_seconds += seeds.cpu_seconds[i];
 }
 
-std::optional<double> tail_of(std::vector<double> values) {
-    if (values.size() < kFewestForInterval) return std::nullopt;
-    std::ranges::sort(values);
-    const std::size_t middle = values.size() / 2;
-    const double median =
-        values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-    if (median <= 0) return std::nullopt;
-    return values.back() / median;
-}
-
 // Of the reciprocal, if there is one: the mean must be above zero.
 std::optional<Estimate> reciprocal(const std::optional<Estimate>& estimate) {
     if (!estimate || estimate->value <= 0) return std::nullopt;
@@ -119,7 +109,7 @@ void finish(ComparedCell& cell, const Quantity& quantity) {
     }
     cell.mean = estimate_mean(cell.values);
     if (quantity.is_reciprocal) cell.mean = reciprocal(cell.mean);
-    cell.tail = tail_of(cell.values);
+    cell.tail = max_over_median(cell.values);
 }
 
 std::vector<Budget> wanted_budgets(const Plan& plan, const std::optional<Budget>& budget) {

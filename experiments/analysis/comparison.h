@@ -11,15 +11,12 @@
 #include "experiments/analysis/quantity.h"
 #include "experiments/plan/experiment.h"
 #include "experiments/statistics/intervals.h"
+#include "experiments/statistics/tail.h"
 #include "renderer/base/parameters.h"
 #include "results/metrics/metrics.h"
 #include "results/store.h"
 
 namespace misbench {
-
-// A largest seed beyond this multiple of the median one says that rare samples carry the error:
-// at few seeds no interval is honest then.
-inline constexpr double kHeavyTail = 3;
 
 // One cell of the table: all seeds of one scene, method and budget.
 struct ComparedCell {

@@ -94,6 +94,38 @@ void add_compare(CLI::App& app, Chosen& chosen) {
     verb.add_option("--map", options->map, "write the metric of each pixel: .exr or .png");
 }
 
+void add_bias(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<BiasVerbOptions>();
+    CLI::App& verb =
+        add_verb(app, "bias", "print which method is biased where", bias_verb, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "its name; default: the latest");
+    verb.add_option("--against", options->against,
+                    "the method that is taken for unbiased; default: the baseline");
+    verb.add_option("--budget", options->budget, "as in tables, \"16 spp\"; default: the last");
+    verb.add_option("--margin", options->margin, "of equivalence, relative to the mean")
+        ->check(CLI::Range(1e-6, 0.99))
+        ->capture_default_str();
+    verb.add_option("--alpha", options->alpha, "rate of false findings")
+        ->check(CLI::Range(1e-9, 0.5))
+        ->capture_default_str();
+    verb.add_option("--format", options->format, "text, csv, json or markdown")
+        ->check(CLI::IsMember({"text", "csv", "json", "markdown"}))
+        ->capture_default_str();
+    verb.add_option("--maps", options->maps,
+                    "folder for an image a scene and method: red is too bright, blue too dark");
+}
+
+void add_selftest(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<SelfTestOptions>();
+    CLI::App& verb =
+        add_verb(app, "selftest", "compare each method with itself, and with a planted difference",
+                 selftest_verb, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "its name; default: the latest");
+    verb.add_option("--metric", options->metric, "its id; default: the experiment's first");
+}
+
 }  // namespace
 
 void add_result_verbs(CLI::App& app, Chosen& chosen) {
@@ -102,6 +134,8 @@ void add_result_verbs(CLI::App& app, Chosen& chosen) {
     add_report(app, chosen);
     add_compare(app, chosen);
     add_sql(app, chosen);
+    add_bias(app, chosen);
+    add_selftest(app, chosen);
 }
 
 }  // namespace misbench

@@ -126,6 +126,27 @@ struct ClaimsOptions {
 // What claims come to is a finding, never an error.
 int claims_verb(const ClaimsOptions& options);
 
+struct BiasVerbOptions {
+    std::string store;
+    std::string experiment;  // "" for the latest
+    std::string against;     // a label, "" for the baseline
+    std::string budget;      // "" for the last
+    double margin = 0.01;
+    double alpha = 0.01;
+    std::string format = "text";  // text, csv, json, markdown
+    std::string maps;             // folder, "" for none
+};
+// A bias is a finding, never an error.
+int bias_verb(const BiasVerbOptions& options);
+
+struct SelfTestOptions {
+    std::string store;
+    std::string experiment;
+    std::string metric;  // "" for the experiment's first
+};
+// Returns kExitSomeFailed where the comparison does not pass, or nothing could be tested.
+int selftest_verb(const SelfTestOptions& options);
+
 struct ReportOptions {
     std::string store;
     std::string experiment;

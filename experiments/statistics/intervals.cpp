@@ -57,6 +57,10 @@ std::string to_string(NoInterval reason) {
             return "fewer than " + std::to_string(kFewestForInterval) + " seeds";
         case NoInterval::NoSpread:
             return "all seeds give the same value, or the same ratio";
+        case NoInterval::HeavyTail:
+            return "rare seeds carry the mean, and fewer than two were met";
+        case NoInterval::TooFewToResample:
+            return "fewer than " + std::to_string(kFewestToResample) + " to draw from";
         case NoInterval::Unbounded:
             break;
     }

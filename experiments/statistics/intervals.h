@@ -12,6 +12,8 @@ inline constexpr double kConfidence = 0.95;
 // With two values the t quantile is 12.7 and the estimate of the spread has one degree of freedom:
 // such an interval says nothing but looks as if it did.
 inline constexpr int kFewestForInterval = 3;
+// Of four values drawn from four, one of 64 times all are the same: that bounds no interval.
+inline constexpr int kFewestToResample = 5;
 
 struct Interval {
     double low = 0;
@@ -21,9 +23,11 @@ struct Interval {
 
 // Why an estimate has no interval.
 enum class NoInterval {
-    TooFewValues,  // fewer than kFewestForInterval seeds, on either side of a ratio
-    NoSpread,      // all values, or a ratio's pairs, are equal: that shows no spread of zero
-    Unbounded,     // of a ratio: a mean is so little above zero that anything is possible
+    TooFewValues,      // fewer than kFewestForInterval seeds, on either side of a ratio
+    NoSpread,          // all values, or a ratio's pairs, are equal: that shows no spread of zero
+    Unbounded,         // of a ratio: a mean is so little above zero that anything is possible
+    HeavyTail,         // rare values carry the mean, and too few of them are there (tail.h)
+    TooFewToResample,  // fewer than kFewestToResample values or scenes (bootstrap.h)
 };
 // For a table's footnote: "fewer than 3 seeds".
 std::string to_string(NoInterval reason);

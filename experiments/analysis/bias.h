@@ -1,0 +1,67 @@
+// Which method is biased where: for each scene the images of every method against those of one
+// that is taken for unbiased, tile by tile (tile_test.h).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/plan/experiment.h"
+#include "experiments/statistics/tile_test.h"
+#include "results/store.h"
+
+namespace misbench {
+
+struct BiasOptions {
+    std::string against = {};  // a label; "" for the plan's baseline
+    std::string budget =
+        {};                // "16 spp"; "" for the last of the plan, to which budgets usually rise
+    double margin = 0.01;  // of equivalence
+    double alpha = 0.01;   // of all scenes and methods together, as a rate of false findings
+};
+
+enum class BiasFinding {
+    Biased,          // at some scale, even where the whole image is equivalent
+    Equivalent,      // no bias found, and the whole image lies within the margin
+    NotFound,        // no bias found; what would have been is ImageTest's detectable bias
+    NothingToTest,   // the same images: equal methods, or without noise
+    NotEnoughSeeds,  // fewer than kFewestForInterval valid runs on either side
+};
+std::string to_string(BiasFinding finding);  // "biased"
+
+// One scene and method.
+struct BiasCell {
+    std::string scene;
+    std::string method;
+    // Of one number where the test is of pairs: seeds that both have.
+    int n_seeds = 0;
+    int n_seeds_against = 0;
+    bool few_passes = false;  // of a run of a time budget, on either side
+    BiasFinding finding = BiasFinding::NotEnoughSeeds;
+    std::optional<ImageTest> test;  // absent exactly with too few seeds
+    // That the method has no bias at any scale in this scene, by Benjamini and Hochberg over all
+    // scenes and methods.
+    double adjusted_p = 1;
+    int width = 0;  // of the images
+    int height = 0;
+};
+
+struct Bias {
+    std::string experiment;
+    std::string against;
+    Budget budget;
+    double margin = 0;
+    double alpha = 0;
+    std::vector<BiasCell> cells;  // by scene, then method, in the plan's order
+};
+
+// Throws ParameterError for a method or budget that the plan does not have.
+Bias find_bias(const Store& store, const Plan& plan, const BiasOptions& options);
+
+// The z values of a scale's tiles as an image: white for none, red where the method is brighter
+// than it should be, blue where it is darker, full from ±kFullColour on.
+inline constexpr double kFullColour = 5;
+Image bias_map(const BiasCell& cell, const ScaleTest& scale);
+
+}  // namespace misbench
