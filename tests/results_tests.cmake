@@ -7,6 +7,7 @@ misbench_test(store_disk_test unit misbench_results)
 misbench_test(reindex_test unit misbench_results)
 misbench_test(comparison_test unit misbench_analysis)
 misbench_test(findings_test unit misbench_analysis)
+misbench_test(allocation_test stat misbench_statistics)
 misbench_test(intervals_test stat misbench_analysis)
 misbench_test(findings_coverage_test stat misbench_analysis)
 
