@@ -117,6 +117,25 @@ Quantity wanted_quantity(const Plan& plan, const std::string& metric) {
                                        metric + "'; known:" + known + " " + kSecondsPerPass);
 }
 
+// The values of the seeds that both have.
+struct Pairs {
+    std::vector<double> a;
+    std::vector<double> b;
+};
+
+Pairs pairs_of(const ComparedCell& a, const ComparedCell& b) {
+    std::map<std::int64_t, double> value_of_b;
+    for (std::size_t i = 0; i < b.seeds.size(); ++i) value_of_b[b.seeds[i]] = b.values[i];
+    Pairs pairs;
+    for (std::size_t i = 0; i < a.seeds.size(); ++i) {
+        const auto other = value_of_b.find(a.seeds[i]);
+        if (other == value_of_b.end()) continue;
+        pairs.a.push_back(a.values[i]);
+        pairs.b.push_back(other->second);
+    }
+    return pairs;
+}
+
 // The seeds of one cell of the table. Absent where the plan has none.
 std::optional<ComparedCell> compared_cell(const Plan& plan, const Known& known,
                                           const std::string& scene, const Budget& budget,
@@ -139,10 +158,14 @@ std::optional<ComparedCell> compared_cell(const Plan& plan, const Known& known,
 
 }  // namespace
 
-bool are_paired(const ComparedCell& a, const ComparedCell& b) { return a.seeds == b.seeds; }
+bool are_paired(const ComparedCell& a, const ComparedCell& b) {
+    return pairs_of(a, b).a.size() == std::min(a.seeds.size(), b.seeds.size());
+}
 
 std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b) {
-    return are_paired(a, b) ? paired_log_ratio(a.values, b.values) : log_ratio(a.values, b.values);
+    if (!are_paired(a, b)) return log_ratio(a.values, b.values);
+    const Pairs pairs = pairs_of(a, b);
+    return paired_log_ratio(pairs.a, pairs.b);
 }
 
 std::string status_of(const ComparedCell& cell) {
@@ -181,6 +204,8 @@ Comparison compare(const Store& store, const Plan& plan, const std::string& metr
                           .methods = plan.methods,
                           .budgets = wanted_budgets(plan, budget),
                           .cells = {}};
+    comparison.seed_rule = plan.seed_rule;
+    if (plan.seed_rule) comparison.rule_metric = plan.metrics.front();
     const Known known = known_of(store, plan, comparison.metric);
     for (const PlannedScene& scene : plan.scenes) {
         comparison.scenes.push_back(scene.name);

@@ -6,6 +6,7 @@
 #include <array>
 #include <map>
 
+#include "experiments/analysis/seed_rounds.h"
 #include "experiments/report/numbers.h"
 #include "renderer/base/error.h"
 #include "renderer/base/render_statistics.h"
@@ -114,6 +115,7 @@ std::vector<std::string> footer_of(const Comparison& comparison, const Footnotes
         fmt::format("× ratio of means to baseline '{}' [{} % log-delta-t interval, {}]",
                     comparison.baseline, percent, kind_of_interval(notes.paired, notes.unpaired)),
         "* the interval of the ratio excludes 1"};
+    if (comparison.seed_rule) footer.insert(footer.begin() + 2, seed_rule_footnote(comparison));
     if (notes.few_passes) footer.push_back(few_passes_footnote());
     if (notes.heavy_tail) footer.push_back(heavy_tail_footnote());
     for (const auto& [reason, letter] : notes.reasons) {
