@@ -252,7 +252,7 @@ bool work_on(const RunOptions& options, const Plan& plan, const std::string& rou
 }
 
 // Has a fleet of its own for each round: only while none runs the store is ours to measure in. That
-// costs a round about a second and the loading of its scenes.
+// costs a round about three seconds and the loading of its scenes.
 int run_plan(const RunOptions& options, const Plan& largest) {
     Plan plan = first_round(largest);
     std::string progress;
