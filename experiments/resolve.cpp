@@ -347,7 +347,11 @@ std::string describe(const ExperimentYaml& file, const std::vector<ResolvedScene
     for (const ResolvedMethod& method : methods) {
         json["methods"][method.label] = method_to_json(method);
     }
-    for (const auto& seed : file.seeds) json["seeds"].push_back(seed.value);
+    if (file.seed_rule) {
+        json["seeds"] = seed_rule_to_json(*file.seed_rule);
+    } else {
+        for (const auto& seed : file.seeds) json["seeds"].push_back(seed.value);
+    }
     for (const Budget& budget : plan.budgets) json["budgets"].push_back(budget_to_json(budget));
     json["reference"] = method_to_json(reference);
     json["reference"]["samples"] = file.reference.samples;
@@ -371,6 +375,7 @@ Plan resolve(const ExperimentYaml& file, const std::filesystem::path& folder) {
     for (const auto& budget : file.budgets) plan.budgets.push_back(budget.value);
     plan.baseline = resolve_baseline(file, plan);
     plan.metrics = resolve_metrics(file);
+    plan.seed_rule = file.seed_rule;
 
     for (const SceneEntry& entry : file.scenes) require_scene_parameters_apply(entry, methods);
     const std::vector<ResolvedScene> scenes = resolve_scenes(file, folder);

@@ -131,6 +131,26 @@ std::string wanted_baseline(const Plan& plan, const std::string& ratio_to) {
                                          ratio_to + "'; known:" + known + " best none");
 }
 
+// The values of the seeds that both have.
+struct Pairs {
+    std::vector<double> a;
+    std::vector<double> b;
+};
+
+Pairs pairs_of(const ComparedCell& a, const ComparedCell& b) {
+    if (a.seeds == b.seeds) return {a.values, b.values};
+    std::map<std::int64_t, double> value_of_b;
+    for (std::size_t i = 0; i < b.seeds.size(); ++i) value_of_b[b.seeds[i]] = b.values[i];
+    Pairs pairs;
+    for (std::size_t i = 0; i < a.seeds.size(); ++i) {
+        const auto other = value_of_b.find(a.seeds[i]);
+        if (other == value_of_b.end()) continue;
+        pairs.a.push_back(a.values[i]);
+        pairs.b.push_back(other->second);
+    }
+    return pairs;
+}
+
 // The seeds that the filter lets pass. Absent where there are none.
 std::optional<ComparedCell> compared_cell(const CellSeeds& seeds, const Budget& budget,
                                           const Quantity& quantity, const Filter* filter) {
@@ -247,10 +267,14 @@ std::optional<ComparedCell> mean_over(const Comparison& comparison,
 
 }  // namespace
 
-bool are_paired(const ComparedCell& a, const ComparedCell& b) { return a.seeds == b.seeds; }
+bool are_paired(const ComparedCell& a, const ComparedCell& b) {
+    return pairs_of(a, b).a.size() == std::min(a.seeds.size(), b.seeds.size());
+}
 
 std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b) {
-    return are_paired(a, b) ? paired_log_ratio(a.values, b.values) : log_ratio(a.values, b.values);
+    if (!are_paired(a, b)) return log_ratio(a.values, b.values);
+    const Pairs pairs = pairs_of(a, b);
+    return paired_log_ratio(pairs.a, pairs.b);
 }
 
 std::string status_of(const ComparedCell& cell) {
@@ -294,6 +318,8 @@ Comparison compare(const Store& store, const Plan& plan, const Question& questio
                           .methods = plan.methods,
                           .budgets = wanted_budgets(plan, question.budget),
                           .cells = {}};
+    comparison.seed_rule = plan.seed_rule;
+    if (plan.seed_rule) comparison.rule_metric = plan.metrics.front();
     for (const PlannedScene& scene : plan.scenes) comparison.scenes.push_back(scene.name);
     std::map<std::string, Budget> budgets;
     for (const Budget& b : comparison.budgets) budgets.emplace(to_string(b), b);

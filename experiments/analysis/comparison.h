@@ -38,7 +38,8 @@ struct ComparedCell {
     std::vector<double> values;
     std::vector<std::int64_t> seeds;  // of `values`
     std::optional<Estimate> mean;     // absent without measured seeds
-    // mean / mean of the baseline in the same scene and budget. Absent for the baseline itself,
+    // mean / mean of the baseline in the same scene and budget, over the same seeds where it is
+    // paired. Absent for the baseline itself,
     // when one of the two has no measured seeds and when a mean is not positive.
     std::optional<Estimate> ratio;
     bool ratio_is_paired = false;
@@ -65,9 +66,10 @@ struct ComparedCell {
     bool has_heavy_tail() const { return tail && *tail > kHeavyTail; }
 };
 
-// Both are measured with the same seeds, so that their values come in pairs.
+// All seeds of the one are the other's too, so that their values come in pairs.
 bool are_paired(const ComparedCell& a, const ComparedCell& b);
-// log(mean(a)/mean(b)), of pairs where there are. Absent like ComparedCell::ratio.
+// log(mean(a)/mean(b)), of pairs where there are, over the seeds that both have. Absent like
+// ComparedCell::ratio.
 std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b);
 
 // "4 of 5 seeds: 1 failed"; "" when all seeds are measured.
@@ -78,7 +80,9 @@ struct Comparison {
     std::string metric;
     std::string formula;  // of the metric
     Direction better = Direction::Less;
-    std::string baseline;              // what ratios are to: a label, kToBest or kToNone
+    std::string baseline;  // what ratios are to: a label, kToBest or kToNone
+    std::optional<SeedRule> seed_rule = std::nullopt;  // of the plan
+    std::string rule_metric = {};                      // whose ratios the rule is about
     std::vector<std::string> scenes;   // as in the plan; then the means over scenes, if any
     std::vector<std::string> methods;  // as in the plan
     std::vector<Budget> budgets;       // as in the plan, or the one asked for

@@ -82,9 +82,9 @@ double RemainingTime::estimate(const QueueStatus& status) {
 void Progress::show(const QueueStatus& status, SteadyTime now) {
     const double seconds = remaining_.estimate(status);
     if (mode_ == ProgressMode::Line) {
-        const std::string line =
-            fmt::format("{}/{} done, {} running, {} failed, ETA {}  {}", status.done, total(status),
-                        status.leased, status.failed, format_duration(seconds), current(status));
+        const std::string line = fmt::format(
+            "{}{}/{} done, {} running, {} failed, ETA {}  {}", label_, status.done, total(status),
+            status.leased, status.failed, format_duration(seconds), current(status));
         std::fprintf(stderr, "\r\033[K%s", cut(line, terminal_width() - 1).c_str());
         std::fflush(stderr);
         is_shown_ = true;

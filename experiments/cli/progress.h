@@ -45,8 +45,9 @@ class RemainingTime {
 
 class Progress {
  public:
-    Progress(ProgressMode mode, RemainingTime remaining)
-        : mode_(mode), remaining_(std::move(remaining)) {}
+    // `label` goes before what is shown in place.
+    Progress(ProgressMode mode, RemainingTime remaining, std::string label)
+        : mode_(mode), remaining_(std::move(remaining)), label_(std::move(label)) {}
     // A line in place is removed when this object goes.
     ~Progress() { clear(); }
     Progress(const Progress&) = delete;
@@ -61,6 +62,7 @@ class Progress {
  private:
     ProgressMode mode_;
     RemainingTime remaining_;
+    std::string label_;
     SteadyTime last_log_{};
     bool is_shown_ = false;
 };

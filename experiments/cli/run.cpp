@@ -8,6 +8,7 @@
 #include <set>
 
 #include "experiments/analysis/comparison.h"
+#include "experiments/analysis/seed_rounds.h"
 #include "experiments/cli/fleet.h"
 #include "experiments/cli/output.h"
 #include "experiments/cli/progress.h"
@@ -86,7 +87,7 @@ std::map<std::string, Cost> costs_to_do(const Store& store, const Plan& plan, in
 class LocalRun {
  public:
     LocalRun(const RunOptions& options, const Plan& plan, std::map<std::string, Cost> costs,
-             const Interrupts& interrupts)
+             const std::string& round, const Interrupts& interrupts)
         : plan_(plan),
           interrupts_(interrupts),
           fleet_({.store = options.store,
@@ -94,7 +95,7 @@ class LocalRun {
                   .threads_per_worker = options.threads_per_worker}),
           client_(fleet_.address(), kAnswerWithin),
           progress_(progress_mode(options.progress),
-                    RemainingTime(std::move(costs), options.workers)) {}
+                    RemainingTime(std::move(costs), options.workers), round) {}
 
     // Returns when all tasks are done or failed, or no worker is left (true), or when interrupted
     // (false).
@@ -242,17 +243,40 @@ std::vector<Plan> resolve_all(const RunOptions& options) {
     return plans;
 }
 
-int run_plan(const RunOptions& options, const Plan& plan) {
-    bool is_complete = true;
+// A round of an experiment with a seed rule, or all of one without. Returns false when interrupted.
+bool work_on(const RunOptions& options, const Plan& plan, const std::string& round) {
     std::map<std::string, Cost> costs = put_experiment(options, plan);
-    if (!costs.empty()) {
-        const Interrupts interrupts;
-        is_complete = LocalRun(options, plan, std::move(costs), interrupts).work();
+    if (costs.empty()) return true;
+    const Interrupts interrupts;
+    return LocalRun(options, plan, std::move(costs), round, interrupts).work();
+}
+
+// Has a fleet of its own for each round: only while none runs the store is ours to measure in. That
+// costs a round about three seconds and the loading of its scenes.
+int run_plan(const RunOptions& options, const Plan& largest) {
+    Plan plan = first_round(largest);
+    std::string progress;
+    for (int round = 1;; ++round) {
+        const bool is_complete = work_on(options, plan, progress);
+        Store store(options.store, Store::Access::ReadWrite);
+        store.measure(plan);
+        if (!is_complete) return interrupted(store, plan, options);
+        const Comparison comparison = compare(store, plan);
+        std::optional<Plan> next = next_round(largest, comparison);
+        if (!next) {
+            store_comparisons(store, plan);
+            return print_outcome(store, plan);
+        }
+        const RuleOutcome outcome = outcome_of_rule(comparison);
+        const std::size_t n_further = next->cells.size() - plan.cells.size();
+        progress = fmt::format("round {}, {} of {} ratios wide: ", round + 1, outcome.n_wide,
+                               outcome.n_ratios);
+        if (progress_mode(options.progress) != ProgressMode::Never) {
+            spdlog::info("round ended round={} ratios={} wide={} further_runs={}", round,
+                         outcome.n_ratios, outcome.n_wide, n_further);
+        }
+        plan = std::move(*next);
     }
-    Store store(options.store, Store::Access::ReadWrite);
-    store.measure(plan);
-    store_comparisons(store, plan);
-    return is_complete ? print_outcome(store, plan) : interrupted(store, plan, options);
 }
 
 }  // namespace

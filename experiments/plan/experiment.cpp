@@ -26,6 +26,12 @@ Role role_from_string(const std::string& text) {
                 "unknown role '" + text + "'; known: test reference_a reference_b");
 }
 
+nlohmann::json seed_rule_to_json(const SeedRule& rule) {
+    return {{"min", rule.min},
+            {"max", rule.max},
+            {"until", {{"ratio_halfwidth", rule.ratio_halfwidth}}}};
+}
+
 nlohmann::json plan_to_json(const Plan& plan) {
     nlohmann::json json = {{"experiment", plan.experiment}, {"description", plan.description},
                            {"methods", plan.methods},       {"baseline", plan.baseline},
@@ -38,6 +44,7 @@ nlohmann::json plan_to_json(const Plan& plan) {
     for (const Budget& budget : plan.budgets) budgets.push_back(budget_to_json(budget));
     auto& claims = json["claims"] = nlohmann::json::array();
     for (const Claim& claim : plan.claims) claims.push_back(claim_to_json(claim));
+    if (plan.seed_rule) json["seed_rule"] = seed_rule_to_json(*plan.seed_rule);
     auto& cells = json["cells"] = nlohmann::json::array();
     for (const Cell& cell : plan.cells) {
         cells.push_back({{"scene", cell.scene},
@@ -71,6 +78,11 @@ Plan plan_from_json(const nlohmann::json& json) {
         // Plans of earlier builds have none.
         if (const auto claims = json.find("claims"); claims != json.end()) {
             for (const auto& claim : *claims) plan.claims.push_back(claim_from_json(claim));
+        }
+        if (const auto rule = json.find("seed_rule"); rule != json.end()) {
+            plan.seed_rule = {.min = rule->at("min"),
+                              .max = rule->at("max"),
+                              .ratio_halfwidth = rule->at("until").at("ratio_halfwidth")};
         }
         for (const auto& cell : json.at("cells")) {
             plan.cells.push_back({.scene = cell.at("scene"),

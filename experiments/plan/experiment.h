@@ -32,6 +32,16 @@ struct Cell {
     bool operator==(const Cell&) const = default;
 };
 
+// Seeds by need: every cell has the first `min` of its seeds, and further ones up to `max` until
+// the half width of the ratio to the baseline, in the first metric, is `ratio_halfwidth` (0.1: 10
+// %).
+struct SeedRule {
+    int min = 0;
+    int max = 0;
+    double ratio_halfwidth = 0;
+    bool operator==(const SeedRule&) const = default;
+};
+
 struct PlannedScene {
     std::string name;
     double exposure = 0;  // stops, for display
@@ -49,10 +59,14 @@ struct Plan {
     std::string baseline;              // a label
     std::vector<std::string> metrics;  // ids; the first is the one that tables show by default
     std::vector<Claim> claims = {};    // in the file's order
-    std::vector<Cell> cells;           // references first, then tests, seeds outermost
-    std::string configuration;         // the effective experiment file, defaults filled in, as JSON
+    // Where it is set, cells may have different numbers of seeds.
+    std::optional<SeedRule> seed_rule = std::nullopt;
+    std::vector<Cell> cells;    // references first, then tests, seeds outermost
+    std::string configuration;  // the effective experiment file, defaults filled in, as JSON
     bool operator==(const Plan&) const = default;
 };
+
+nlohmann::json seed_rule_to_json(const SeedRule& rule);  // as in an experiment file
 
 nlohmann::json plan_to_json(const Plan& plan);
 Plan plan_from_json(const nlohmann::json& json);  // throws InvalidArgument

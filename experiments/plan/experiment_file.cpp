@@ -71,10 +71,31 @@ MethodEntry read_method(const YamlNode& node) {
             .parameters = read_parameters(node, {"method"})};
 }
 
-std::vector<Placed<std::int64_t>> read_seeds(const YamlNode& node) {
+std::optional<SeedRule> read_seed_rule(const YamlNode& node) {
+    if (node.kind != YamlNode::Kind::Map) return std::nullopt;
+    require_keys(node, "seeds", {"min", "max", "until"});
+    const YamlNode& min = require_value(node, "seeds", "min");
+    const YamlNode& max = require_value(node, "seeds", "max");
+    const YamlNode& until = require_value(node, "seeds", "until");
+    require_keys(until, "until", {"ratio_halfwidth"});
+    const YamlNode& width = require_value(until, "until", "ratio_halfwidth");
+    SeedRule rule;
+    rule.min = static_cast<int>(read_integer(min, "min", kFewestSeedsOfRule, kMaxSeeds));
+    rule.max = static_cast<int>(read_integer(max, "max", rule.min, kMaxSeeds));
+    rule.ratio_halfwidth = read_number(width, "ratio_halfwidth");
+    if (!(rule.ratio_halfwidth > 0 && rule.ratio_halfwidth <= 1)) {
+        fail_at(width.place,
+                "ratio_halfwidth must be above 0 and at most 1: found '" + width.text + "'");
+    }
+    return rule;
+}
+
+std::vector<Placed<std::int64_t>> read_seeds(const YamlNode& node,
+                                             const std::optional<SeedRule>& rule) {
     std::vector<Placed<std::int64_t>> seeds;
     if (node.kind != YamlNode::Kind::Sequence) {
-        const std::int64_t count = read_integer(node, "seeds, a count or a list,", 1, kMaxSeeds);
+        const std::int64_t count =
+            rule ? rule->max : read_integer(node, "seeds, a count or a list,", 1, kMaxSeeds);
         for (std::int64_t seed = 1; seed <= count; ++seed) seeds.push_back({seed, node.place});
         return seeds;
     }
@@ -192,7 +213,9 @@ ExperimentYaml read_experiment_yaml(const std::filesystem::path& file,
     require_map(methods, "methods");
     if (methods.items.empty()) fail_at(methods.place, "methods must not be empty");
     for (const YamlNode& node : methods.items) experiment.methods.push_back(read_method(node));
-    experiment.seeds = read_seeds(require_value(root, what, "seeds"));
+    const YamlNode& seeds = require_value(root, what, "seeds");
+    experiment.seed_rule = read_seed_rule(seeds);
+    experiment.seeds = read_seeds(seeds, experiment.seed_rule);
     experiment.budgets = read_budgets(require_value(root, what, "budgets"));
     experiment.reference = read_reference(require_value(root, what, "reference"));
     experiment.include = read_rules(root.find("include"));

@@ -10,7 +10,12 @@
 //                  stops for display, parameters override those of
 //                  every method that declares them
 //   methods        LABEL: {method: NAME, PARAMETER: value, …}       (required)
-//   seeds          a count N (seeds 1 … N) or a list                (required)
+//   seeds          a count N (seeds 1 … N), a list, or              (required)
+//                  {min: A, max: B, until: {ratio_halfwidth: H}}:
+//                  seeds 1 … A, and further ones up to B until
+//                  the 95 % interval of the ratio to the baseline
+//                  in the first metric has a half width of H
+//                  (0.1 is 10 %)
 //   budgets        list of {samples: N} or                          (required)
 //                  {seconds: S, clock: cpu|wall}                    clock: cpu
 //   image          {width, height} in pixels                        640 × 480
@@ -61,6 +66,7 @@
 
 #include "experiments/plan/budget_entry.h"
 #include "experiments/plan/claim_entry.h"
+#include "experiments/plan/experiment.h"
 #include "experiments/plan/profile.h"
 #include "experiments/plan/yaml_reader.h"
 #include "renderer/base/parameters.h"
@@ -118,7 +124,8 @@ struct ExperimentYaml {
     std::string description;
     std::vector<SceneEntry> scenes;
     std::vector<MethodEntry> methods;
-    std::vector<Placed<std::int64_t>> seeds;
+    std::vector<Placed<std::int64_t>> seeds;  // all that a seed rule allows
+    std::optional<SeedRule> seed_rule;
     std::vector<Placed<Budget>> budgets;
     ReferenceEntry reference;
     std::vector<Rule> include;
@@ -129,6 +136,7 @@ struct ExperimentYaml {
 };
 
 inline constexpr std::int64_t kMaxSeeds = 100'000;
+inline constexpr std::int64_t kFewestSeedsOfRule = 3;  // fewer have no interval
 inline constexpr std::int64_t kMaxImageSide = 16'384;
 
 // Throws NotFound when there is no file, InvalidArgument with the place of what is wrong.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "experiments/analysis/seed_rounds.h"
 #include "experiments/report/numbers.h"
 #include "experiments/report/pivot.h"
 #include "renderer/base/error.h"
@@ -143,6 +144,9 @@ std::vector<std::string> footer_of(std::span<const Comparison> comparisons, cons
         add(fmt::format("mean over {} ± half of its {} % Student t interval{}",
                         seeds_of(comparisons), percent,
                         is_mixed ? "; of 1/(…) the reciprocals of both ends" : ""));
+    }
+    for (const Comparison& comparison : comparisons) {
+        if (comparison.seed_rule) add(seed_rule_footnote(comparison));
     }
     const int n_tests = layout.hidden.contains("ratio") ? 0 : n_tests_of(comparisons);
     for (const Comparison& comparison : comparisons) {
