@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "experiments/plan/imported.h"
 #include "renderer/base/error.h"
 #include "renderer/base/log.h"
 #include "results/job_table.h"
@@ -58,7 +59,14 @@ void Store::put_experiment(const Plan& plan) {
     // Always the latest, whatever the clock says.
     const auto after =
         database_->integer("SELECT ifnull(max(submitted_at_ms), 0) + 1 FROM experiments");
-    insert_experiment(*database_, write_experiment_file(folder_, plan, std::max(now, after)));
+    Plan kept = plan;
+    const fs::path path = experiment_path(folder_, plan.experiment);
+    if (fs::exists(path)) {
+        for (const std::string& what : keep_imported(kept, read_experiment_file(path).plan)) {
+            spdlog::warn("imported image left out experiment={} image={}", plan.experiment, what);
+        }
+    }
+    insert_experiment(*database_, write_experiment_file(folder_, kept, std::max(now, after)));
 }
 
 std::vector<std::string> Store::experiments() const {

@@ -90,9 +90,10 @@ class Store {
 
     // --- experiments ---------------------------------------------------------------------------
     // Writes the plan's file, then its rows: cells, and tasks that are new. Replaces an experiment
-    // of the same name; its runs stay. A Failed task that is planned again becomes Pending, with
-    // its losses and failures forgotten. A task that no experiment asks for any more leaves the job
-    // table, unless it is Leased. Throws InvalidArgument for a name that cannot be a file's.
+    // of the same name; its runs stay, and so do its imported images (experiments/plan/imported.h).
+    // A Failed task that is planned again becomes Pending, with its losses and failures forgotten.
+    // A task that no experiment asks for any more leaves the job table, unless it is Leased. Throws
+    // InvalidArgument for a name that cannot be a file's, and like keep_imported().
     void put_experiment(const Plan& plan);
     std::vector<std::string> experiments() const;  // names, the latest put first
     // "" means the latest. Throws NotFound with the names that are known.

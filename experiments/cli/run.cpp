@@ -250,8 +250,10 @@ int run_plan(const RunOptions& options, const Plan& plan) {
         is_complete = LocalRun(options, plan, std::move(costs), interrupts).work();
     }
     Store store(options.store, Store::Access::ReadWrite);
-    store.measure(plan);
-    return is_complete ? print_outcome(store, plan) : interrupted(store, plan, options);
+    // With the images that were imported into it.
+    const Plan stored = store.experiment(plan.experiment);
+    store.measure(stored);
+    return is_complete ? print_outcome(store, stored) : interrupted(store, plan, options);
 }
 
 }  // namespace

@@ -125,6 +125,31 @@ struct StoreOptions {
 int reindex_verb(const StoreOptions& options);
 int status_verb(const StoreOptions& options);
 
+// Texts as they were written: fields of image_list.h, "" where not given.
+struct ImportOptions {
+    std::string store;
+    std::string experiment;
+    std::vector<std::string> images;      // files, or the folder of `pattern`
+    std::vector<std::string> references;  // files
+    std::string pattern;
+    std::string list;  // CSV
+    std::string scene;
+    std::string method;
+    std::int64_t seed = 1;  // of the first of `images`
+    std::string samples;
+    std::string seconds;
+    std::string clock;
+    std::string budget;
+    std::string passes;
+    std::string renderer;
+    std::vector<std::string> parameters;  // KEY=VALUE
+    std::vector<std::string> metrics;
+    std::string baseline;
+    bool replace = false;
+    bool one_reference = false;
+};
+int import_verb(const ImportOptions& options);
+
 struct LabOptions {
     std::string file;
     std::vector<std::string> overrides;  // PATH=VALUE

@@ -29,6 +29,11 @@ std::vector<Origin> origins(const Store& store, const Plan& plan) {
 std::vector<std::string> provenance_lines(const std::vector<Origin>& origins) {
     std::vector<std::string> lines;
     for (const auto& [from, threads, n_runs] : origins) {
+        if (from.cpu_model.empty()) {
+            lines.push_back(
+                fmt::format("imported images; renderer: {}: {} runs", from.build_id, n_runs));
+            continue;
+        }
         lines.push_back(
             fmt::format("machine: {} ({}, {}), {} thread{} a run; build {}, {}: {} runs",
                         from.cpu_model, from.isa, from.host, threads, threads == 1 ? "" : "s",
