@@ -272,7 +272,7 @@ void commit_image(Store& store, const Task& task, const Facts& facts) {
                         .worker = kWorker,
                         .epoch = 0,
                         .finished_at = now,
-                        .provenance = {.build_id = renderer.empty() ? "unknown" : renderer,
+                        .provenance = {.build_id = renderer.empty() ? kUnknownRenderer : renderer,
                                        .compiler = "",
                                        .flags = "",
                                        .cpu_model = "",

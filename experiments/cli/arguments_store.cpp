@@ -50,6 +50,32 @@ void add_import(CLI::App& app, Chosen& chosen) {
     verb.add_flag("--replace", options->replace, "put images in the place of other ones");
 }
 
+void add_export(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<ExportOptions>();
+    CLI::App& verb = add_verb(app, "export", "write the images of an experiment as files",
+                              export_verb, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+    verb.add_option("--images", options->images, "folder, made if needed; it must be empty")
+        ->required();
+    verb.add_option("--experiment", options->experiment, "its name; default: the latest");
+    verb.add_option("--format", options->format, "exr or png")
+        ->check(CLI::IsMember({"exr", "png"}))
+        ->capture_default_str();
+    verb.add_option("--what", options->what, "runs, means over seeds, references or all")
+        ->check(CLI::IsMember({"runs", "means", "references", "all"}))
+        ->capture_default_str();
+}
+
+void add_merge(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<MergeOptions>();
+    CLI::App& verb = add_verb(app, "merge", "copy runs and experiments of stores into another one",
+                              merge_verb, options, chosen);
+    verb.add_option("into", options->store, "results store, made if needed")->required();
+    verb.add_option("from", options->from, "results stores, which are only read")->required();
+    verb.add_flag("--rename", options->rename,
+                  "take an experiment whose name is that of another one as NAME-2");
+}
+
 }  // namespace
 
 void add_store_verbs(CLI::App& app, Chosen& chosen) {
@@ -57,6 +83,8 @@ void add_store_verbs(CLI::App& app, Chosen& chosen) {
     add_store_verb(app, chosen, "reindex", "rebuild a store's database from its run directories",
                    reindex_verb);
     add_import(app, chosen);
+    add_export(app, chosen);
+    add_merge(app, chosen);
 }
 
 }  // namespace misbench

@@ -52,7 +52,7 @@ struct FieldReader {
     }
 
     std::optional<double> seconds(const std::string& name) const {
-        return number(name, 1e-6, kMaxBudgetSeconds);
+        return number(name, 1e-9, kMaxBudgetSeconds);
     }
 };
 

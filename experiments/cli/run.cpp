@@ -201,8 +201,7 @@ std::map<std::string, Cost> put_experiment(const RunOptions& options, const Plan
 }
 
 int print_outcome(const Store& store, const Plan& plan) {
-    const Table table =
-        make_table(compare(store, plan), {}, provenance_lines(origins(store, plan)));
+    const Table table = make_table(compare(store, plan), {}, provenance_lines(store, plan));
     print_result(to_text(table));
     if (!plan.claims.empty()) {
         print_result("\n" + claims_to_text({{plan.experiment, judge_claims(store, plan)}}));

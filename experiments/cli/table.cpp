@@ -22,7 +22,7 @@ int table_verb(const TableOptions& options) {
     }
     const TableLayout layout{.rows = axis_from_string(options.rows),
                              .columns = axis_from_string(options.columns)};
-    const Table table = make_table(comparison, layout, provenance_lines(origins(store, plan)));
+    const Table table = make_table(comparison, layout, provenance_lines(store, plan));
     if (options.format == "latex") {
         print_result(to_latex(table));
     } else if (options.format == "markdown") {

@@ -16,6 +16,9 @@ inline constexpr const char* kReferenceLabel = "reference";
 // The parameter that holds what was imported: a hash of the image and of what was said of it.
 inline constexpr const char* kImportParameter = "import";
 
+// Where the name and version of the renderer are not known.
+inline constexpr const char* kUnknownRenderer = "unknown";
+
 std::string imported_method(const std::string& label);
 bool is_imported(const Task& task);
 // Stands for the content of a scene of which only the name is known.

@@ -47,4 +47,19 @@ std::vector<std::string> provenance_lines(const std::vector<Origin>& origins) {
     return lines;
 }
 
+std::vector<std::string> provenance_lines(const Store& store, const Plan& plan) {
+    std::vector<std::string> lines = provenance_lines(origins(store, plan));
+    for (const Cell& a : plan.cells) {
+        const bool is_both = std::ranges::any_of(plan.cells, [&a](const Cell& b) {
+            return a.role == Role::ReferenceA && b.role == Role::ReferenceB && a.task == b.task;
+        });
+        if (!is_both) continue;
+        lines.push_back(
+            fmt::format("{}: a single reference image, whose noise and bias count as "
+                        "error of all methods",
+                        a.scene));
+    }
+    return lines;
+}
+
 }  // namespace misbench

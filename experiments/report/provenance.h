@@ -22,4 +22,7 @@ std::vector<Origin> origins(const Store& store, const Plan& plan);
 // One line for each, and a warning when there are several.
 std::vector<std::string> provenance_lines(const std::vector<Origin>& origins);
 
+// Those of the plan's runs, and which scenes have a single image as both halves of the reference.
+std::vector<std::string> provenance_lines(const Store& store, const Plan& plan);
+
 }  // namespace misbench

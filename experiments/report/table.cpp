@@ -85,9 +85,13 @@ TableCell lay_out_cell(const Comparison& comparison, const ComparedCell* cell, F
     }
     const auto* time = std::get_if<TimeBudget>(&cell->budget);
     const bool is_wall = time != nullptr && time->clock == BudgetClock::Wall;
-    text.effort = fmt::format("about {:.0f} spp in {:.3g} s {}", cell->mean_passes,
-                              is_wall ? cell->mean_wall_seconds : cell->mean_cpu_seconds,
-                              is_wall ? "wall" : "cpu");
+    const double seconds = is_wall ? cell->mean_wall_seconds : cell->mean_cpu_seconds;
+    // Of images of other renderers one of the two may not be known.
+    if (cell->mean_passes > 0) text.effort = fmt::format("about {:.0f} spp", cell->mean_passes);
+    if (seconds > 0) {
+        text.effort += fmt::format("{}in {:.3g} s {}", text.effort.empty() ? "" : " ", seconds,
+                                   is_wall ? "wall" : "cpu");
+    }
     return text;
 }
 
