@@ -59,7 +59,8 @@ bool is_finite(const Image& image, std::size_t pixel) {
 // What is known of an image once its file has been read, without its pixels.
 struct Facts {
     const ImageToImport* image = nullptr;
-    std::string sha256;  // of the file
+    std::string file_sha256;
+    std::string pixels_sha256;
     int width = 0;
     int height = 0;
     RenderStatistics statistics;
@@ -88,6 +89,12 @@ Budget budget_of(const ImageToImport& image) {
     fail(image.file, "give its samples or seconds: only what cost the same can be compared");
 }
 
+// Of the pixels alone: a file that was exported and comes back holds the same image.
+std::string sha256_of(const Image& image) {
+    return sha256_hex(
+        {reinterpret_cast<const char*>(image.rgb.data()), image.rgb.size() * sizeof(float)});
+}
+
 Facts facts_of(const ImageToImport& image) {
     if (image.scene.empty()) fail(image.file, "give its scene");
     if (image.method.empty()) fail(image.file, "give its method, a label");
@@ -97,7 +104,8 @@ Facts facts_of(const ImageToImport& image) {
     const std::string bytes = read_file(image.file);
     const Image pixels = read_image(image.file, bytes);
     Facts facts{.image = &image,
-                .sha256 = sha256_hex(bytes),
+                .file_sha256 = sha256_hex(bytes),
+                .pixels_sha256 = sha256_of(pixels),
                 .width = pixels.width,
                 .height = pixels.height,
                 .statistics = {},
@@ -157,7 +165,7 @@ void assign_halves(std::vector<Facts>& images, bool one_reference) {
         }
         if (halves.size() != 2) refuse_halves(scene, halves.size());
         std::ranges::stable_sort(halves, {}, [](const Facts* f) { return f->image->seed; });
-        const bool is_one = halves[0]->sha256 == halves[1]->sha256;
+        const bool is_one = halves[0]->pixels_sha256 == halves[1]->pixels_sha256;
         if (is_one && !one_reference) {
             fail(halves[1]->image->file,
                  "both halves of the reference are the same image: they must be independent");
@@ -179,9 +187,9 @@ std::string scene_hash_of(const Plan& plan, const std::string& scene) {
 Cell cell_of(const Plan& plan, const Facts& facts) {
     const ImageToImport& image = *facts.image;
     ParameterMap parameters = image.parameters;
-    // Other bytes, or other facts of the same bytes, are another run.
+    // Other pixels, or other facts of the same pixels, are another run.
     parameters[kImportParameter] =
-        sha256_hex(nlohmann::json{facts.sha256, image.renderer, facts.statistics.passes,
+        sha256_hex(nlohmann::json{facts.pixels_sha256, image.renderer, facts.statistics.passes,
                                   facts.statistics.cpu_seconds, facts.statistics.wall_seconds}
                        .dump())
             .substr(0, 16);
@@ -251,8 +259,7 @@ std::string why_invalid(const Facts& facts) {
 void commit_image(Store& store, const Task& task, const Facts& facts) {
     const fs::path& file = facts.image->file;
     const std::string bytes = read_file(file);
-    const std::string sha256 = sha256_hex(bytes);
-    if (sha256 != facts.sha256) fail(file, "it changed while it was imported");
+    if (sha256_hex(bytes) != facts.file_sha256) fail(file, "it changed while it was imported");
     const std::string id = task_id(task);
     const fs::path staged = store.stage(id, 0);
     write_exr(staged / kImageFile, read_image(file, bytes),
@@ -261,7 +268,7 @@ void commit_image(Store& store, const Task& task, const Facts& facts) {
     const std::string now = utc_now();
     const nlohmann::json origin = {{"imported",
                                     {{"file", fs::absolute(file).string()},
-                                     {"sha256", sha256},
+                                     {"sha256", facts.file_sha256},
                                      {"renderer", renderer},
                                      {"at", now}}}};
     const Record record{.run = id,

@@ -64,7 +64,7 @@ void compare_runs(const Store& a, const Store& b, const Plan& plan_a, const Plan
         if (differences.empty()) {
             compare_run(a, b, key.first, key.second, cell->task, diff);
         } else {
-            diff.tasks.push_back({key.first, key.second, to_string(differences)});
+            diff.tasks[{key.first, to_string(differences)}].push_back(key.second);
         }
     }
 }

@@ -22,12 +22,9 @@ struct DiffPlace {
 };
 using DiffSeeds = std::map<DiffPlace, std::vector<std::int64_t>>;
 
-// Both have finished the place with different tasks: not the same experiment.
-struct DiffTask {
-    DiffPlace place;
-    std::int64_t seed = 0;
-    std::string differences;  // of their tasks, in words
-};
+// Both have finished the place with different tasks, by how those differ: it is not the same
+// experiment.
+using DiffTasks = std::map<std::pair<DiffPlace, std::string>, std::vector<std::int64_t>>;
 
 // One task, two images.
 struct DiffImage {
@@ -56,7 +53,7 @@ struct StoreDiff {
     std::vector<std::string> only_b;
     DiffSeeds runs_only_a;  // finished there and not here
     DiffSeeds runs_only_b;
-    std::vector<DiffTask> tasks;
+    DiffTasks tasks;
     int n_equal_images = 0;
     std::vector<DiffImage> images;
     std::vector<DiffMean> means;

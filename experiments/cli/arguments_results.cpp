@@ -68,7 +68,8 @@ void add_explain(CLI::App& app, Chosen& chosen) {
     verb.add_option("run", options->run, "id of a run or task, or the beginning of it");
     verb.add_option("--experiment", options->file, "experiment file (YAML)");
     verb.add_option("--profile", options->experiment.profile, "of the file; default: its first");
-    verb.add_option("--set", options->experiment.overrides, "PATH=VALUE in the file");
+    verb.add_option("--set", options->experiment.overrides, "PATH=VALUE in the file")
+        ->allow_extra_args(false);
     verb.add_option("--scene", options->scene, "only this scene");
     verb.add_option("--method", options->method, "only this label");
     verb.add_option("--seed", options->seed, "only this seed");

@@ -39,13 +39,16 @@ void add_import(CLI::App& app, Chosen& chosen) {
                     "what images are compared at, such as '10 s wall', where each took another "
                     "time");
     verb.add_option("--passes", options->passes, "samples a pixel, when compared at equal time");
-    verb.add_option("--set", options->parameters, "KEY=VALUE: a parameter, for the record");
+    verb.add_option("--set", options->parameters, "KEY=VALUE: a parameter, for the record")
+        ->allow_extra_args(false);
     verb.add_option("--renderer", options->renderer, "its name and version");
     verb.add_option("--reference", options->references,
-                    "the two independent halves that images of the scene are compared with");
+                    "the two independent halves that images of the scene are compared with")
+        ->expected(1, 2);
     verb.add_flag("--reference-only-one", options->one_reference,
                   "one image stands for both halves: its noise counts as error of all");
-    verb.add_option("--metric", options->metrics, "its id, several times; default: relmse.eps0.01");
+    verb.add_option("--metric", options->metrics, "its id, several times; default: relmse.eps0.01")
+        ->allow_extra_args(false);
     verb.add_option("--baseline", options->baseline, "a label; default: the first");
     verb.add_flag("--replace", options->replace, "put images in the place of other ones");
 }

@@ -63,8 +63,9 @@ std::string means_to_text(const StoreDiff& diff, const DiffOptions& options) {
 std::string to_text(const StoreDiff& diff, const DiffOptions& options) {
     std::string text = missing_to_text(options.a, diff.only_a, diff.runs_only_a) +
                        missing_to_text(options.b, diff.only_b, diff.runs_only_b);
-    for (const auto& [place, seed, differences] : diff.tasks) {
-        text += fmt::format("other task: {}, seed {}: {}\n", to_text(place), seed, differences);
+    for (const auto& [key, seeds] : diff.tasks) {
+        text +=
+            fmt::format("other task: {}, {}: {}\n", to_text(key.first), to_text(seeds), key.second);
     }
     int n_at_equal_time = 0;
     for (const DiffImage& image : diff.images) {
@@ -119,10 +120,10 @@ std::string to_json(const StoreDiff& diff) {
                                    {"runs_only_in_b", to_json(diff.runs_only_b)},
                                    {"equal_images", diff.n_equal_images}};
     auto& tasks = json["other_tasks"] = nlohmann::ordered_json::array();
-    for (const auto& [place, seed, differences] : diff.tasks) {
-        tasks.push_back(to_json(place));
-        tasks.back()["seed"] = seed;
-        tasks.back()["differences"] = differences;
+    for (const auto& [key, seeds] : diff.tasks) {
+        tasks.push_back(to_json(key.first));
+        tasks.back()["seeds"] = seeds;
+        tasks.back()["differences"] = key.second;
     }
     auto& images = json["other_images"] = nlohmann::ordered_json::array();
     for (const DiffImage& image : diff.images) {

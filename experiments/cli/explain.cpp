@@ -114,6 +114,10 @@ struct Reason {
     std::string why;
     auto operator<=>(const Reason&) const = default;
 };
+struct Explained {
+    std::set<std::int64_t> seeds;
+    std::string nearest;  // one of the runs that `why` is about, if any
+};
 
 // The runs of a store by what a user would compare a task with.
 class StoredTasks {
@@ -147,20 +151,19 @@ class StoredTasks {
     std::map<std::string, std::vector<Task>> tasks_;  // by the scene's name
 };
 
-std::string why_not(const Store& store, const StoredTasks& stored, const Task& task) {
-    const std::optional<Task> nearest = stored.nearest(task);
+bool is_of_seed(const TaskDifference& difference) { return difference.field == "seed"; }
+
+std::string why_not(const Store& store, const Task& task, const std::optional<Task>& nearest) {
     std::string why = "not in the store: ";
     if (!nearest) {
         why += "no run of this scene and method";
     } else {
         std::vector<TaskDifference> differences = task_differences(task, *nearest);
-        const bool has_other = differences.size() > 1;
         // Any other seed would do as well: that says nothing beside a real difference.
-        if (has_other) std::erase_if(differences, [](const auto& d) { return d.field == "seed"; });
-        why += differences.front().field == "seed"
+        if (differences.size() > 1) std::erase_if(differences, is_of_seed);
+        why += is_of_seed(differences.front())
                    ? "this seed has no run, others have"
-                   : fmt::format("the nearest run is {}, it differs: {}",
-                                 task_id(*nearest).substr(0, 8), to_string(differences));
+                   : "the nearest run differs: " + to_string(differences);
     }
     const std::optional<TaskRow> row = store.task(task_id(task));
     return row ? why + "; task " + state_of(*row) : why + "; no task yet";
@@ -193,7 +196,7 @@ std::string explain_file(const Store& store, const ExplainOptions& options) {
                               scene_folder(from.scenes));
     require_known_names(options, plan);
     const StoredTasks stored(store);
-    std::map<Reason, std::set<std::int64_t>> reasons;
+    std::map<Reason, Explained> reasons;
     int n_stored = 0;
     int n_tasks = 0;
     for (const Cell& cell : plan.cells) {
@@ -201,16 +204,21 @@ std::string explain_file(const Store& store, const ExplainOptions& options) {
         ++n_tasks;
         const std::optional<Record> record = store.run(task_id(cell.task));
         n_stored += record ? 1 : 0;
+        const std::optional<Task> nearest = record ? std::nullopt : stored.nearest(cell.task);
         const std::string why =
-            !record ? why_not(store, stored, cell.task)
+            !record ? why_not(store, cell.task, nearest)
                     : std::string("in the store: reused") + (record->valid ? "" : ", but invalid");
-        reasons[{cell.scene, cell.method, to_string(cell.budget), why}].insert(cell.seed);
+        Explained& explained = reasons[{cell.scene, cell.method, to_string(cell.budget), why}];
+        explained.seeds.insert(cell.seed);
+        if (nearest) explained.nearest = task_id(*nearest);
     }
     std::string text;
-    for (const auto& [reason, seeds] : reasons) {
+    for (const auto& [reason, explained] : reasons) {
+        const auto& [seeds, nearest] = explained;
         text +=
-            fmt::format("{}, {}, {}, seed{} {}\n  {}\n", reason.scene, reason.method, reason.budget,
-                        seeds.size() == 1 ? "" : "s", fmt::join(seeds, " "), reason.why);
+            fmt::format("{}, {}, {}, seed{} {}\n  {}{}\n", reason.scene, reason.method,
+                        reason.budget, seeds.size() == 1 ? "" : "s", fmt::join(seeds, " "),
+                        reason.why, nearest.empty() ? "" : "; such as run " + nearest.substr(0, 8));
     }
     return text +
            fmt::format("{}: {} of {} tasks are in the store\n", plan.experiment, n_stored, n_tasks);

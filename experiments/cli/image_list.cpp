@@ -56,6 +56,16 @@ struct FieldReader {
     }
 };
 
+// What is said of all images, where it is not said of one itself. Of a reference's half only which
+// scene it is of and who rendered it: it has not the budget of what is compared with it.
+void add_given(Fields& fields, const Fields& given) {
+    for (const auto& [name, value] : given) {
+        const auto method = fields.find("method");
+        const bool is_reference = method != fields.end() && method->second == kReferenceLabel;
+        if (!is_reference || name == "scene" || name == "renderer") fields.emplace(name, value);
+    }
+}
+
 std::vector<fs::path> files_below(const fs::path& folder) {
     std::error_code error;
     std::vector<fs::path> files;
@@ -141,7 +151,7 @@ std::vector<ImageToImport> images_below(const fs::path& folder, const std::strin
         const std::string path = file.lexically_relative(folder).generic_string();
         std::optional<Fields> fields = path_pattern.match(path);
         if (fields) {
-            fields->insert(given.begin(), given.end());
+            add_given(*fields, given);
             images.push_back(image_of(file, *fields));
         } else if (std::ranges::find(kImageExtensions, file.extension().string()) !=
                    kImageExtensions.end()) {
@@ -176,10 +186,11 @@ std::vector<ImageToImport> images_of_list(const fs::path& list, const Fields& gi
             fail(list, "row " + std::to_string(r + 1) + " has " + std::to_string(rows[r].size()) +
                            " fields, the first has " + std::to_string(names.size()));
         }
-        Fields fields = given;
+        Fields fields;
         for (std::size_t c = 0; c < names.size(); ++c) {
             if (!rows[r][c].empty() && names[c] != kPath) fields[names[c]] = rows[r][c];
         }
+        add_given(fields, given);
         const std::string& file = rows[r][static_cast<std::size_t>(path)];
         images.push_back(image_of(list.parent_path() / file, fields));
     }

@@ -2,8 +2,13 @@
 
 #include <set>
 
+#include "experiments/plan/imported.h"
+
 namespace misbench {
 namespace {
+
+// Its parameter is a hash, which says nothing to people.
+const std::string kImportedImage = "imported image";
 
 std::string size_of(const Task& task) {
     return std::to_string(task.width) + "x" + std::to_string(task.height);
@@ -35,8 +40,8 @@ std::vector<TaskDifference> task_differences(const Task& a, const Task& b) {
         const bool is_same = in_a != a.parameters.end() && in_b != b.parameters.end() &&
                              in_a->second == in_b->second;
         if (is_same) continue;
-        differences.push_back(
-            {"parameter " + key, value_of(a.parameters, key), value_of(b.parameters, key)});
+        differences.push_back({key == kImportParameter ? kImportedImage : "parameter " + key,
+                               value_of(a.parameters, key), value_of(b.parameters, key)});
     }
     compare("budget", to_string(a.budget), to_string(b.budget));
     compare("seed", std::to_string(a.seed), std::to_string(b.seed));
@@ -47,6 +52,10 @@ std::string to_string(const std::vector<TaskDifference>& differences) {
     const auto shown = [](const std::string& value) { return value.empty() ? "none" : value; };
     std::string text;
     for (const auto& [field, a, b] : differences) {
+        if (field == kImportedImage) {
+            text += (text.empty() ? "" : "; ") + field + " another one, or other facts of it";
+            continue;
+        }
         text += (text.empty() ? "" : "; ") + field + " " + shown(a) + ", not " + shown(b);
     }
     return text;

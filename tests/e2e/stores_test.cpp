@@ -13,7 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
-using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
@@ -79,6 +78,10 @@ TEST_F(StoresTest, ExportedImagesMakeTheSameTableElsewhere) {
                            file("images/images.csv")}),
                 StartsWith("10 imported, 0 there before, 8 errors measured"));
     EXPECT_EQ(table("elsewhere"), table("store"));
+    result_of({"export", file("elsewhere"), "--images", file("back")});
+    EXPECT_THAT(result_of({"import", file("elsewhere"), "--experiment", "tiny", "--list",
+                           file("back/images.csv")}),
+                StartsWith("0 imported, 10 there before"));
     expect_error(misbench({"export", file("store"), "--images", file("images")}), 2, "not empty");
     result_of(
         {"export", file("store"), "--images", file("pngs"), "--format", "png", "--what", "means"});
@@ -116,13 +119,14 @@ TEST_F(StoresTest, DiffTellsByItsExitCode) {
     ASSERT_EQ(run("same", {"--set", "methods.mis.max_depth=5"}).exit_code, 0);
     const Outcome other = misbench({"diff", file("store"), file("same")});
     EXPECT_EQ(other.exit_code, 1) << other.err;
-    EXPECT_THAT(other.out, AllOf(HasSubstr("other task: tiny: CornellBox, mis, 2 spp, seed 1: "
-                                           "parameter max_depth 3, not 5"),
-                                 HasSubstr("the stores differ")));
+    EXPECT_THAT(other.out,
+                AllOf(HasSubstr("other task: tiny: CornellBox, mis, 2 spp, seeds 1 2 3 4: "
+                                "parameter max_depth 3, not 5"),
+                      HasSubstr("the stores differ")));
     const auto json =
         nlohmann::json::parse(misbench({"diff", file("store"), file("same"), "--json"}).out);
     EXPECT_EQ(json.at("same"), false);
-    EXPECT_EQ(json.at("other_tasks").size(), 6);
+    EXPECT_EQ(json.at("other_tasks").size(), 3);
     expect_error(misbench({"diff", file("store"), file("none")}), 2, "no results.sqlite");
 }
 
@@ -132,7 +136,6 @@ TEST_F(StoresTest, MergeOfPartsIsTheWhole) {
     EXPECT_THAT(result_of({"merge", file("merged"), file("low"), file("high")}),
                 StartsWith("10 runs copied, 2 there before, 8 errors measured; experiments that "
                            "came or grew: tiny"));
-    EXPECT_EQ(table("merged"), table("store"));
     EXPECT_EQ(misbench({"diff", file("store"), file("merged")}).exit_code, 0);
 }
 
@@ -145,8 +148,11 @@ TEST_F(StoresTest, ExplainSaysWhatIsReusedAndWhyNot) {
     const std::string deeper =
         result_of({"explain", file("store"), "--experiment", file("tiny.yaml"), "--set",
                    "methods.nee.max_depth=5", "--method", "nee"});
-    EXPECT_THAT(deeper, AllOf(HasSubstr("it differs: parameter max_depth 5, not 3; no task yet"),
-                              HasSubstr("0 of 4 tasks"), Not(HasSubstr("mis,"))));
+    EXPECT_THAT(
+        deeper,
+        AllOf(HasSubstr("the nearest run differs: parameter max_depth 5, not 3; no task yet; "
+                        "such as run "),
+              HasSubstr("0 of 4 tasks"), Not(HasSubstr("mis,"))));
     const std::string more = result_of({"explain", file("store"), "--experiment", file("tiny.yaml"),
                                         "--set", "seeds=6", "--method", "nee"});
     EXPECT_THAT(more, HasSubstr("seeds 5 6\n  not in the store: this seed has no run"));
