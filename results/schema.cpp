@@ -59,6 +59,7 @@ CREATE TABLE cells (  -- of the experiments: scene × method × budget × seed
     CHECK ((reference_a IS NULL) = (reference_b IS NULL))
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX cells_by_task ON cells (task);
+CREATE INDEX cells_of_references ON cells (experiment, scene) WHERE role IN ('reference_a', 'reference_b');
 
 CREATE TABLE runs (  -- an index of runs/ID/record.json; a run has the id of its task
     id TEXT PRIMARY KEY,

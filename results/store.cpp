@@ -4,6 +4,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "experiments/plan/imported.h"
 #include "renderer/base/error.h"
 #include "renderer/base/log.h"
 #include "results/job_table.h"
@@ -60,7 +61,14 @@ void Store::put_experiment(const Plan& plan) {
     // Always the latest, whatever the clock says.
     const auto after =
         database_->integer("SELECT ifnull(max(submitted_at_ms), 0) + 1 FROM experiments");
-    insert_experiment(*database_, write_experiment_file(folder_, plan, std::max(now, after)));
+    Plan kept = plan;
+    const fs::path path = experiment_path(folder_, plan.experiment);
+    if (fs::exists(path)) {
+        for (const std::string& what : keep_imported(kept, read_experiment_file(path).plan)) {
+            spdlog::warn("imported image left out experiment={} image={}", plan.experiment, what);
+        }
+    }
+    insert_experiment(*database_, write_experiment_file(folder_, kept, std::max(now, after)));
 }
 
 std::vector<std::string> Store::experiments() const {
@@ -184,6 +192,19 @@ std::vector<CellSeeds> Store::cell_seeds(const std::string& experiment,
 
 std::vector<Origin> Store::origins(const std::string& experiment) const {
     return select_origins(*database_, experiment);
+}
+
+std::vector<std::string> Store::single_references(const std::string& experiment) const {
+    Statement select = database_->prepare(R"sql(
+        SELECT DISTINCT a.scene FROM cells a JOIN cells b
+          ON b.experiment = a.experiment AND b.scene = a.scene AND b.task = a.task
+        WHERE a.experiment = ?1 AND a.role = 'reference_a' AND b.role = 'reference_b'
+          AND a.role IN ('reference_a', 'reference_b') AND b.role IN ('reference_a', 'reference_b')
+        ORDER BY a.scene)sql");
+    std::vector<std::string> scenes;
+    select.bind(experiment);
+    while (select.step()) scenes.push_back(select.text(0));
+    return scenes;
 }
 
 void Store::put_comparisons(const std::vector<StoredComparison>& comparisons) {

@@ -107,9 +107,10 @@ class Store {
 
     // --- experiments ---------------------------------------------------------------------------
     // Writes the plan's file, then its rows: cells, and tasks that are new. Replaces an experiment
-    // of the same name; its runs stay. A Failed task that is planned again becomes Pending, with
-    // its losses and failures forgotten. A task that no experiment asks for any more leaves the job
-    // table, unless it is Leased. Throws InvalidArgument for a name that cannot be a file's.
+    // of the same name; its runs stay, and so do its imported images (experiments/plan/imported.h).
+    // A Failed task that is planned again becomes Pending, with its losses and failures forgotten.
+    // A task that no experiment asks for any more leaves the job table, unless it is Leased. Throws
+    // InvalidArgument for a name that cannot be a file's, and like keep_imported().
     void put_experiment(const Plan& plan);
     std::vector<std::string> experiments() const;  // names, the latest put first
     // "" means the latest. Throws NotFound with the names that are known.
@@ -155,6 +156,8 @@ class Store {
                                       std::span<const std::string> metrics) const;
     // Machines and builds of the tested runs; references do not decide times.
     std::vector<Origin> origins(const std::string& experiment) const;
+    // Scenes whose halves of the reference are one image: its noise does not cancel.
+    std::vector<std::string> single_references(const std::string& experiment) const;
     // Replaces those of the experiment, metric and baseline. They go with the next change of what
     // they were computed from.
     void put_comparisons(const std::vector<StoredComparison>& comparisons);

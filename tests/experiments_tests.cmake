@@ -7,6 +7,7 @@ misbench_test(claims_formats_test unit misbench_report)
 misbench_test(table_test unit misbench_report)
 misbench_test(progress_test unit misbench_cli)
 misbench_test(path_story_test unit misbench_cli)
+misbench_test(image_list_test unit misbench_cli)
 misbench_test(run_test e2e misbench_results)
 misbench_test(claims_test e2e misbench_results)
 misbench_test(lab_test unit misbench_lab)
@@ -15,7 +16,7 @@ misbench_test(lab_cli_test e2e misbench_base)
 misbench_test(compare_test e2e misbench_image)
 
 # One test for ctest each, because their cases share an experiment that takes seconds to run.
-foreach(test cli_test replay_test)
+foreach(test cli_test replay_test stores_test)
   add_executable(${test} e2e/${test}.cpp)
   target_link_libraries(${test}
     PRIVATE misbench_flags GTest::gmock GTest::gtest_main misbench_results)
@@ -24,9 +25,10 @@ endforeach()
 target_link_libraries(replay_test PRIVATE OpenEXR::OpenEXR)
 add_test(NAME CliTest COMMAND cli_test)
 add_test(NAME ReplayTest COMMAND replay_test)
-set_tests_properties(CliTest ReplayTest PROPERTIES LABELS e2e TIMEOUT 300)
+add_test(NAME StoresTest COMMAND stores_test)
+set_tests_properties(CliTest ReplayTest StoresTest PROPERTIES LABELS e2e TIMEOUT 300)
 
-foreach(test claims_test cli_test replay_test run_test)
+foreach(test claims_test cli_test replay_test run_test stores_test)
   target_compile_definitions(${test} PRIVATE
     MISBENCH_PROGRAM="$<TARGET_FILE:misbench>"
     MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")

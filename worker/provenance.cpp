@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <ctime>
 #include <fstream>
 
 #include "renderer/base/build_info.h"
@@ -27,15 +26,6 @@ std::string cpu_model() {
 std::string host_name() {
     std::array<char, 256> name{};
     return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
-}
-
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm utc{};
-    ::gmtime_r(&now, &utc);
-    std::array<char, 32> text{};
-    std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-    return text.data();
 }
 
 Provenance this_machine() {

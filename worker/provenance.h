@@ -9,6 +9,5 @@ namespace misbench {
 
 Provenance this_machine();
 std::string host_name();
-std::string utc_now();  // ISO 8601, to the second
 
 }  // namespace misbench

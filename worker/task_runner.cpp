@@ -7,6 +7,7 @@
 #include "renderer/base/error.h"
 #include "renderer/base/files.h"
 #include "renderer/base/sha256.h"
+#include "renderer/base/utc.h"
 #include "renderer/image/image.h"
 #include "renderer/methods/catalogue.h"
 #include "renderer/methods/render_loop.h"

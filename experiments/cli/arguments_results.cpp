@@ -126,6 +126,35 @@ void add_selftest(CLI::App& app, Chosen& chosen) {
     verb.add_option("--metric", options->metric, "its id; default: the experiment's first");
 }
 
+void add_diff(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<DiffOptions>();
+    CLI::App& verb = add_verb(app, "diff", "say how two stores differ; exit code 1 when they do",
+                              diff_verb, options, chosen);
+    verb.add_option("a", options->a, "results store")->required();
+    verb.add_option("b", options->b, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "its name; default: all of them");
+    verb.add_option("--metric", options->metric, "its id; default: each experiment's first");
+    verb.add_flag("--json", options->json, "as JSON");
+}
+
+void add_explain(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<ExplainOptions>();
+    CLI::App& verb = add_verb(app, "explain",
+                              "say what a run is made of, or why an experiment's tasks are or are "
+                              "not in the store",
+                              explain_verb, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+    verb.add_option("run", options->run, "id of a run or task, or the beginning of it");
+    verb.add_option("--experiment", options->file, "experiment file (YAML)");
+    verb.add_option("--profile", options->experiment.profile, "of the file; default: its first");
+    verb.add_option("--set", options->experiment.overrides, "PATH=VALUE in the file")
+        ->allow_extra_args(false);
+    verb.add_option("--scene", options->scene, "only this scene");
+    verb.add_option("--method", options->method, "only this label");
+    verb.add_option("--seed", options->seed, "only this seed");
+    add_scenes(verb, options->experiment.scenes);
+}
+
 }  // namespace
 
 void add_result_verbs(CLI::App& app, Chosen& chosen) {
@@ -136,6 +165,8 @@ void add_result_verbs(CLI::App& app, Chosen& chosen) {
     add_sql(app, chosen);
     add_bias(app, chosen);
     add_selftest(app, chosen);
+    add_diff(app, chosen);
+    add_explain(app, chosen);
 }
 
 }  // namespace misbench

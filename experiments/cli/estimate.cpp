@@ -16,6 +16,8 @@ FrameInfo parse_size(const std::string& text) {
             .height = static_cast<int>(read_integer(sides[1], "height", 1, kMaxSide))};
 }
 
+}  // namespace
+
 ParameterMap parse_parameters(const std::vector<std::string>& assignments) {
     ParameterMap parameters;
     for (const std::string& assignment : assignments) {
@@ -30,8 +32,6 @@ ParameterMap parse_parameters(const std::vector<std::string>& assignments) {
     }
     return parameters;
 }
-
-}  // namespace
 
 std::vector<YamlNode> parse_pair(const std::string& option, const std::string& text, char separator,
                                  const std::string& form) {

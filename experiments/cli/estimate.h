@@ -19,6 +19,9 @@ Estimate load_estimate(const EstimateOptions& options, const Budget& budget);
 
 RenderRequest request_of(const Task& task, int threads);
 
+// --set KEY=VALUE, several times. Throws InvalidArgument.
+ParameterMap parse_parameters(const std::vector<std::string>& assignments);
+
 // Both values of "640x480" or "12,34". Throws InvalidArgument "OPTION TEXT: must be FORM".
 std::vector<YamlNode> parse_pair(const std::string& option, const std::string& text, char separator,
                                  const std::string& form);

@@ -7,6 +7,7 @@
 #include "experiments/cli/estimate.h"
 #include "experiments/cli/output.h"
 #include "experiments/cli/path_story.h"
+#include "experiments/cli/run_lookup.h"
 #include "experiments/cli/verbs.h"
 #include "experiments/scene_lookup.h"
 #include "renderer/base/build_info.h"
@@ -17,41 +18,8 @@
 namespace misbench {
 namespace {
 
-constexpr std::size_t kMaxNamedRuns = 5;
-
 [[noreturn]] void fail_usage(const std::string& message) {
     throw Error(Errc::InvalidArgument, message);
-}
-
-// How many characters both begin with.
-std::size_t common_beginning(const std::string& a, const std::string& b) {
-    return static_cast<std::size_t>(std::ranges::mismatch(a, b).in1 - a.begin());
-}
-
-// The run whose id begins so. Throws with those that are nearest.
-Record find_run(const Store& store, const std::string& beginning) {
-    std::vector<std::string> nearest;
-    std::size_t longest = 0;
-    for (const auto& [id, summary] : store.run_summaries()) {
-        const std::size_t common = common_beginning(id, beginning);
-        if (common > longest) nearest.clear();
-        longest = std::max(longest, common);
-        if (common == longest) nearest.push_back(id);
-    }
-    const bool is_known = longest == beginning.size();
-    if (is_known && nearest.size() == 1) return store.run(nearest[0]).value();
-    std::string message =
-        fmt::format("{} run '{}' in store '{}'", is_known ? "ambiguous" : "unknown", beginning,
-                    store.folder().string());
-    if (nearest.empty()) fail_usage(message + ": it has no runs");
-    message += "; near:";
-    for (std::size_t i = 0; i < std::min(nearest.size(), kMaxNamedRuns); ++i) {
-        message += " " + nearest[i];
-    }
-    if (nearest.size() > kMaxNamedRuns) {
-        message += fmt::format(" and {} more", nearest.size() - kMaxNamedRuns);
-    }
-    fail_usage(message);
 }
 
 // What is rendered again, and what of it is shown.
@@ -86,7 +54,7 @@ void require_same(const Task& task) {
 
 Replay replay_of_run(const ReplayOptions& options) {
     const Store store(options.store, Store::Access::ReadOnly);
-    const Record record = find_run(store, options.run);
+    const Record record = store.run(find_run(store, options.run)).value();
     const std::optional<SamplePlace>& bad = record.statistics.first_bad_sample;
     Replay replay{.run = record.run,
                   .estimate = {.task = record.task, .loaded = {}},

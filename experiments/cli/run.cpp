@@ -203,7 +203,7 @@ std::map<std::string, Cost> put_experiment(const RunOptions& options, const Plan
 
 int print_outcome(const Store& store, const Plan& plan) {
     const Table table =
-        make_table(compare(store, plan), {}, provenance_lines(store.origins(plan.experiment)));
+        make_table(compare(store, plan), {}, provenance_lines(store, plan.experiment));
     print_result(to_text(table));
     if (!plan.claims.empty()) {
         print_result("\n" + claims_to_text({{plan.experiment, judge_claims(store, plan)}}));
@@ -259,13 +259,15 @@ int run_plan(const RunOptions& options, const Plan& largest) {
     for (int round = 1;; ++round) {
         const bool is_complete = work_on(options, plan, progress);
         Store store(options.store, Store::Access::ReadWrite);
-        store.measure(plan);
+        // With the images that were imported into it.
+        const Plan stored = store.experiment(plan.experiment);
+        store.measure(stored);
         if (!is_complete) return interrupted(store, plan, options);
-        const Comparison comparison = compare(store, plan);
+        const Comparison comparison = compare(store, stored);
         std::optional<Plan> next = next_round(largest, comparison);
         if (!next) {
-            store_comparisons(store, plan);
-            return print_outcome(store, plan);
+            store_comparisons(store, stored);
+            return print_outcome(store, stored);
         }
         const RuleOutcome outcome = outcome_of_rule(comparison);
         const std::size_t n_further = next->cells.size() - plan.cells.size();

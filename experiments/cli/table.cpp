@@ -63,7 +63,7 @@ int table_verb(const TableOptions& options) {
     } else {
         std::vector<std::string> provenance;
         for (const Plan& plan : plans) {
-            for (std::string& line : provenance_lines(store.origins(plan.experiment))) {
+            for (std::string& line : provenance_lines(store, plan.experiment)) {
                 provenance.push_back(std::move(line));
             }
         }

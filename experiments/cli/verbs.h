@@ -1,8 +1,8 @@
 // What each verb of `misbench` is told and does. The files arguments*.cpp know the command line's
 // syntax; a verb returns its exit code or throws Error.
 //
-// Exit codes: 0 done; 1 some tasks failed, or a scene has warnings; 2 usage or experiment; 3 store;
-// 4 coordinator out of reach; 70 a bug of ours; 130 interrupted.
+// Exit codes: 0 done; 1 some tasks failed, a scene has warnings, or stores differ; 2 usage or
+// experiment; 3 store; 4 coordinator out of reach; 70 a bug of ours; 130 interrupted.
 #pragma once
 
 #include <cstdint>
@@ -169,6 +169,68 @@ struct CompareOptions {
     std::string map;                   // .exr or .png, "" for none; only of one image by one metric
 };
 int compare_verb(const CompareOptions& options);
+// Texts as they were written: fields of image_list.h, "" where not given.
+struct ImportOptions {
+    std::string store;
+    std::string experiment;
+    std::vector<std::string> images;      // files, or the folder of `pattern`
+    std::vector<std::string> references;  // files
+    std::string pattern;
+    std::string list;  // CSV
+    std::string scene;
+    std::string method;
+    std::int64_t seed = 1;  // of the first of `images`
+    std::string samples;
+    std::string seconds;
+    std::string clock;
+    std::string budget;
+    std::string passes;
+    std::string renderer;
+    std::vector<std::string> parameters;  // KEY=VALUE
+    std::vector<std::string> metrics;
+    std::string baseline;
+    bool replace = false;
+    bool one_reference = false;
+};
+int import_verb(const ImportOptions& options);
+
+struct DiffOptions {
+    std::string a;  // stores
+    std::string b;
+    std::string experiment;  // "" for all that are in both
+    std::string metric;      // "" for each experiment's first
+    bool json = false;
+};
+// Returns 1 where they differ.
+int diff_verb(const DiffOptions& options);
+
+struct ExplainOptions {
+    std::string store;
+    std::string run;   // its id or the beginning of it; "" for `file`
+    std::string file;  // an experiment's
+    ExperimentOptions experiment;
+    // Of the experiment's cells those with this scene, label and seed; "" for all.
+    std::string scene;
+    std::string method;
+    std::optional<std::int64_t> seed;
+};
+int explain_verb(const ExplainOptions& options);
+
+struct ExportOptions {
+    std::string store;
+    std::string experiment;  // "" for the latest
+    std::string images;      // folder
+    std::string format = "exr";
+    std::string what = "all";  // runs, means, references, all
+};
+int export_verb(const ExportOptions& options);
+
+struct MergeOptions {
+    std::string store;  // to merge into
+    std::vector<std::string> from;
+    bool rename = false;
+};
+int merge_verb(const MergeOptions& options);
 
 struct LabOptions {
     std::string file;

@@ -4,11 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "results/cell_seeds.h"
+#include "results/store.h"
 
 namespace misbench {
 
-// One line for each, and a warning when there are several.
-std::vector<std::string> provenance_lines(const std::vector<Origin>& origins);
+// One line for each, a warning when there are several, and which scenes have a single image as both
+// halves of the reference.
+std::vector<std::string> provenance_lines(const Store& store, const std::string& experiment);
 
 }  // namespace misbench

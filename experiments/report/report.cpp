@@ -103,7 +103,7 @@ class Reporter {
         : store_(store), plan_(plan), comparison_(compare(store, plan)) {}
 
     std::string report() const {
-        const std::vector<Origin> from = store_.origins(plan_.experiment);
+        const std::vector<std::string> from = provenance_lines(store_, plan_.experiment);
         return fill(kReport_html,
                     {{"name", escape_html(plan_.experiment)},
                      {"style", kReport_css},
@@ -111,7 +111,7 @@ class Reporter {
                      {"description", escape_html(plan_.description)},
                      {"extent", escape_html(extent())},
                      {"claims", claims()},
-                     {"tables", tables(provenance_lines(from))},
+                     {"tables", tables(from)},
                      {"scenes", scenes()},
                      {"methods", methods()},
                      {"provenance", provenance(from)},
@@ -255,9 +255,9 @@ class Reporter {
         return html + "</tbody></table></div>\n";
     }
 
-    std::string provenance(const std::vector<Origin>& from) const {
+    std::string provenance(const std::vector<std::string>& from) const {
         std::string html = "<ul>\n";
-        for (const std::string& line : provenance_lines(from)) {
+        for (const std::string& line : from) {
             html += "<li>" + escape_html(line) + "</li>\n";
         }
         for (const Cell& cell : plan_.cells) {

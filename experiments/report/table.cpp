@@ -69,9 +69,15 @@ void lay_out_mean(TableCell& text, const ComparedCell& cell, const TableLayout& 
 std::string effort_of(const ComparedCell& cell) {
     const auto* time = std::get_if<TimeBudget>(&cell.budget);
     const bool is_wall = time != nullptr && time->clock == BudgetClock::Wall;
-    return fmt::format("about {:.0f} spp in {:.3g} s {}", cell.mean_passes,
-                       is_wall ? cell.mean_wall_seconds : cell.mean_cpu_seconds,
-                       is_wall ? "wall" : "cpu");
+    const double seconds = is_wall ? cell.mean_wall_seconds : cell.mean_cpu_seconds;
+    // Of images of other renderers one of the two may not be known.
+    std::string effort;
+    if (cell.mean_passes > 0) effort = fmt::format("about {:.0f} spp", cell.mean_passes);
+    if (seconds > 0) {
+        effort += fmt::format("{}in {:.3g} s {}", effort.empty() ? "" : " ", seconds,
+                              is_wall ? "wall" : "cpu");
+    }
+    return effort;
 }
 
 TableCell lay_out_cell(const Comparison& comparison, const ComparedCell& cell,

@@ -28,6 +28,8 @@ using Budget = std::variant<SampleBudget, TimeBudget>;
 
 // For people and as a stable key: "16 spp", "2 s cpu", "0.5 s wall".
 std::string to_string(const Budget& budget);
+// The budget that to_string() writes so. Throws ParameterError for anything else.
+Budget budget_from_string(const std::string& text);
 
 // {"samples": 16} or {"seconds": 2.0, "clock": "cpu"}.
 nlohmann::json budget_to_json(const Budget& budget);

@@ -13,7 +13,8 @@ namespace misbench {
 // passes, -12.7 % at three).
 inline constexpr std::int64_t kFewPasses = 10;
 inline bool has_few_passes(const Budget& budget, std::int64_t passes) {
-    return std::holds_alternative<TimeBudget>(budget) && passes < kFewPasses;
+    // None at all: of an image of another renderer it is not known, any other such run is invalid.
+    return std::holds_alternative<TimeBudget>(budget) && passes > 0 && passes < kFewPasses;
 }
 
 // Enough to render one sample again.

@@ -26,7 +26,7 @@ std::string table_of_a_store(const std::filesystem::path& folder) {
     const Store store(folder, Store::Access::ReadOnly);
     const Plan plan = store.experiment_head("");
     const Table table =
-        make_table(compare(store, plan), {}, provenance_lines(store.origins(plan.experiment)));
+        make_table(compare(store, plan), {}, provenance_lines(store, plan.experiment));
     return to_text(table);
 }
 
