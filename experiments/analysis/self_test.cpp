@@ -56,9 +56,54 @@ struct Counts {
     }
 };
 
+// Over the cells and splits of one table.
+struct SplitCounts {
+    Counts alone;
+    Counts adjusted;
+    Counts found_alone;
+    Counts found_adjusted;
+    std::vector<Counts> differ;  // of each cell
+    std::vector<Counts> found;
+};
+
+// One split of every cell.
+void count_split(const std::vector<const ComparedCell*>& cells, std::uint32_t split_idx,
+                 double alpha, SplitCounts& counts) {
+    std::vector<double> p;
+    std::vector<double> planted_p;
+    for (std::uint32_t c = 0; c < cells.size(); ++c) {
+        Rng rng(0, c, split_idx);
+        Halves halves = split(*cells[c], rng);
+        p.push_back(p_value_of(halves));
+        plant(halves.a);
+        planted_p.push_back(p_value_of(halves));
+    }
+    const std::vector<double> adjusted = benjamini_hochberg(p);
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+        counts.alone.add(p[c] <= alpha);
+        counts.differ[c].add(p[c] <= alpha);
+        counts.adjusted.add(adjusted[c] <= alpha);
+        counts.found_alone.add(planted_p[c] <= alpha);
+        counts.found[c].add(planted_p[c] <= alpha);
+        std::vector<double> with_planted = p;
+        with_planted[c] = planted_p[c];
+        counts.found_adjusted.add(benjamini_hochberg(with_planted)[c] <= alpha);
+    }
+}
+
 TestedShare tested(const Counts& counts, std::size_t n_cells) {
     const auto n = static_cast<double>(n_cells);
     return {.share = counts.share(), .interval = share_interval(counts.share() * n, n)};
+}
+
+SplitCell split_cell(const ComparedCell& cell) {
+    const double spread = relative_spread(cell.values);
+    return {.scene = cell.scene,
+            .method = cell.method,
+            .budget = cell.budget,
+            .n_seeds = cell.n_measured,
+            .power = power_of_ratio(1 + kPlanted, spread, cell.n_measured),
+            .n_needed = seeds_for_power(1 + kPlanted, spread, kMostSeedsForPower)};
 }
 
 }  // namespace
@@ -79,53 +124,22 @@ SelfTest self_test(const Comparison& comparison) {
             continue;
         }
         cells.push_back(&cell);
-        const double spread = relative_spread(cell.values);
-        test.cells.push_back(
-            {.scene = cell.scene,
-             .method = cell.method,
-             .budget = cell.budget,
-             .n_seeds = cell.n_measured,
-             .power = power_of_ratio(1 + kPlanted, spread, cell.n_measured),
-             .n_needed = seeds_for_power(1 + kPlanted, spread, kMostSeedsForPower)});
+        test.cells.push_back(split_cell(cell));
     }
     if (cells.empty()) return test;
 
-    Counts alone;
-    Counts adjusted;
-    Counts found_alone;
-    Counts found_adjusted;
-    std::vector<Counts> differ(cells.size());
-    std::vector<Counts> found(cells.size());
-    for (std::uint32_t s = 0; s < kSplits; ++s) {
-        std::vector<double> p;
-        std::vector<double> planted_p;
-        for (std::uint32_t c = 0; c < cells.size(); ++c) {
-            Rng rng(0, c, s);
-            Halves halves = split(*cells[c], rng);
-            p.push_back(p_value_of(halves));
-            plant(halves.a);
-            planted_p.push_back(p_value_of(halves));
-        }
-        const std::vector<double> table = benjamini_hochberg(p);
-        for (std::size_t c = 0; c < cells.size(); ++c) {
-            alone.add(p[c] <= test.alpha);
-            differ[c].add(p[c] <= test.alpha);
-            adjusted.add(table[c] <= test.alpha);
-            found_alone.add(planted_p[c] <= test.alpha);
-            found[c].add(planted_p[c] <= test.alpha);
-            std::vector<double> with_planted = p;
-            with_planted[c] = planted_p[c];
-            found_adjusted.add(benjamini_hochberg(with_planted)[c] <= test.alpha);
-        }
-    }
+    SplitCounts counts;
+    counts.differ.resize(cells.size());
+    counts.found.resize(cells.size());
+    for (std::uint32_t s = 0; s < kSplits; ++s) count_split(cells, s, test.alpha, counts);
     for (std::size_t c = 0; c < cells.size(); ++c) {
-        test.cells[c].false_share = differ[c].share();
-        test.cells[c].found_share = found[c].share();
+        test.cells[c].false_share = counts.differ[c].share();
+        test.cells[c].found_share = counts.found[c].share();
     }
-    test.alone = tested(alone, cells.size());
-    test.adjusted = tested(adjusted, cells.size());
-    test.found_alone = found_alone.share();
-    test.found_adjusted = found_adjusted.share();
+    test.alone = tested(counts.alone, cells.size());
+    test.adjusted = tested(counts.adjusted, cells.size());
+    test.found_alone = counts.found_alone.share();
+    test.found_adjusted = counts.found_adjusted.share();
     return test;
 }
 

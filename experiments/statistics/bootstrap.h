@@ -18,9 +18,9 @@ namespace misbench {
 inline constexpr int kResamples = 999;
 
 // The ratio of means, as log_ratio and paired_log_ratio give it. Coverage of the 95 % intervals of
-// independent values, in percent: the delta method's (estimate_ratio), then this one's, of lognormal
-// errors with these spreads, and of such of which 20 % are five times larger (20 000 and 2500
-// trials):
+// independent values, in percent: the delta method's (estimate_ratio), then this one's, of
+// lognormal errors with these spreads, and of such of which 20 % are five times larger (20 000 and
+// 2500 trials):
 //
 //                           n = 5         n = 10        n = 20        n = 40
 //     spreads             delta this    delta this    delta this    delta this
@@ -32,10 +32,11 @@ inline constexpr int kResamples = 999;
 //     0.2 spiky, 0.2       67.4 69.6     87.1 87.8     92.4 96.5     94.0 98.2
 //     both spiky           93.2 94.9     91.0 91.6     92.9 96.1     94.3 96.1
 //
-// So both hold the truth in 93 to 97 % of experiments for spreads up to 0.5 (the delta method from 3
-// seeds on: 96, 96 and 94), and neither does for a skewed method against a calm one: then the tail
-// is what to look at (tail.h). Of pairs with spread 0.5 and correlations -0.5 to 0.95 this one holds
-// it in 94 to 95 %; with spread 0.8, in 92 to 94, where the delta method holds it in 90 to 94.
+// So both hold the truth in 93 to 97 % of experiments for spreads up to 0.5 (the delta method from
+// 3 seeds on: 96, 96 and 94), and neither does for a skewed method against a calm one: then the
+// tail is what to look at (tail.h). Of pairs with spread 0.5 and correlations -0.5 to 0.95 this one
+// holds it in 94 to 95 %; with spread 0.8, in 92 to 94, where the delta method holds it in 90
+// to 94.
 std::optional<Estimate> bootstrap_ratio(std::span<const double> a, std::span<const double> b);
 std::optional<Estimate> bootstrap_paired_ratio(std::span<const double> a,
                                                std::span<const double> b);
@@ -43,8 +44,8 @@ std::optional<Estimate> bootstrap_paired_ratio(std::span<const double> a,
 // The geometric mean of ratios (given by their logarithms) of scenes that stand for others like
 // them: scenes are the population, so their spread is what counts, whatever it comes from. For what
 // can be said of just these scenes, see mean_log_ratio. Absent without scenes; no interval below
-// kFewestToResample of them. Coverage of the 95 % interval, in percent of 6000 trials, with Student's
-// t beside it, of log ratios that are normal, exponential, or of which 15 % are far off:
+// kFewestToResample of them. Coverage of the 95 % interval, in percent of 6000 trials, with
+// Student's t beside it, of log ratios that are normal, exponential, or of which 15 % are far off:
 //
 //                  normal      exponential     far off
 //     scenes     this   t      this   t      this   t

@@ -182,6 +182,14 @@ TEST(SelfTest, FindsNoDifferenceBetweenHalvesAndOneThatIsPlanted) {
     EXPECT_LE(test.cells.front().n_needed.value(), 12);
 }
 
+TEST(SelfTest, PassesExactlyWhereTheShareMayBeAlpha) {
+    SelfTest test;
+    test.alone = {.share = 0.08, .interval = {.low = 0.04, .high = 0.2}};
+    EXPECT_TRUE(test.passes());
+    test.adjusted = {.share = 0.2, .interval = {.low = 0.06, .high = 0.3}};
+    EXPECT_FALSE(test.passes());
+}
+
 TEST(SelfTest, OfFewerSeedsThanCanBeSplitSaysSo) {
     const SelfTest test = self_test(made_up_comparison(2, 5, 0.1));
     EXPECT_TRUE(test.cells.empty());
