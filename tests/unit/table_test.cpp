@@ -64,6 +64,19 @@ Comparison two_by_two() {
     return comparison;
 }
 
+TableLayout rows_and_columns(const std::string& rows, const std::string& columns) {
+    TableLayout layout;
+    layout.rows = rows;
+    layout.columns = columns;
+    return layout;
+}
+
+TableLayout layout_with(auto TableLayout::*part, const auto& value) {
+    TableLayout layout;
+    layout.*part = value;
+    return layout;
+}
+
 Table table_of(const Comparison& comparison, const TableLayout& layout = {}) {
     return make_table(comparison, layout, {"machine: a CPU"});
 }
@@ -137,7 +150,7 @@ TEST(Table, RowsAndColumnsAreChosenAndTheThirdAxisMakesFurtherRows) {
     Comparison comparison = two_by_two();
     comparison.budgets.push_back(kLong);
     comparison.cells.push_back(cell("Box", "pt", kLong, with_interval(7, 6, 8)));
-    const Table table = table_of(comparison, {.rows = "method", .columns = "scene"});
+    const Table table = table_of(comparison, rows_and_columns("method", "scene"));
     EXPECT_EQ(table.title, "exp: mse");
     EXPECT_THAT(table.label_headers, ElementsAre("method", "budget"));
     EXPECT_THAT(table.columns, ElementsAre("Box", "Käfig"));
@@ -152,9 +165,9 @@ TEST(Table, RowsAndColumnsAreChosenAndTheThirdAxisMakesFurtherRows) {
 }
 
 TEST(Table, TheSameAxisTwiceIsRefused) {
-    EXPECT_THROW(table_of(two_by_two(), {.rows = "scene", .columns = "scene"}), Error);
+    EXPECT_THROW(table_of(two_by_two(), rows_and_columns("scene", "scene")), Error);
     try {
-        table_of(two_by_two(), {.rows = "seed"});
+        table_of(two_by_two(), rows_and_columns("seed", "method"));
         ADD_FAILURE() << "laid out";
     } catch (const Error& e) {
         EXPECT_STREQ(e.what(), "unknown axis 'seed'; known: scene method budget metric experiment");
@@ -232,12 +245,12 @@ TEST(Table, AnyAxesAreShownAndRowsSayWhatTellsCellsApart) {
             if (c.method == "pt") c.parameters = {{"depth", std::int64_t{5}}};
         }
     }
-    const Table by_metric = make_table(both, {.rows = "method", .columns = "metric"}, {});
+    const Table by_metric = make_table(both, rows_and_columns("method", "metric"), {});
     EXPECT_THAT(by_metric.columns, ElementsAre("mse", "relmse"));
     EXPECT_THAT(by_metric.label_headers, ElementsAre("method", "scene"));
     ASSERT_EQ(by_metric.rows.size(), 4U);
     EXPECT_THAT(by_metric.rows[1].labels, ElementsAre("pt", "Käfig"));
-    const Table by_depth = make_table(both, {.columns = "depth"}, {});
+    const Table by_depth = make_table(both, rows_and_columns("scene", "depth"), {});
     EXPECT_THAT(by_depth.columns, ElementsAre("5", "12"));
     EXPECT_THAT(by_depth.label_headers, ElementsAre("scene", "metric"));
 }
@@ -254,7 +267,8 @@ TEST(Table, RowsAreSortedWithMeansOfScenesLast) {
     comparison.cells.push_back(mean);
     const auto order = [&](const std::string& sort) {
         std::vector<std::string> labels;
-        for (const TableRow& row : table_of(comparison, {.sort = sort}).rows) {
+        for (const TableRow& row :
+             table_of(comparison, layout_with(&TableLayout::sort, sort)).rows) {
             labels.push_back(row.labels[0]);
         }
         return labels;
@@ -275,8 +289,14 @@ TEST(Table, PartsAreHiddenAndDigitsChosen) {
     EXPECT_EQ(table.rows[0].cells[1].ratio, "×0.50 [0.45, 0.56] ▼*");
     EXPECT_EQ(table.rows[0].cells[1].effort, "");
     EXPECT_TRUE(table.footer.empty());
-    EXPECT_EQ(table_of(two_by_two(), {.hidden = {"ratio"}}).rows[0].cells[1].ratio, "");
-    EXPECT_EQ(table_of(two_by_two(), {.digits = 2}).rows[0].cells[0].mean, "0.012 ± 0.001");
+    EXPECT_EQ(
+        table_of(two_by_two(), layout_with(&TableLayout::hidden, std::set<std::string>{"ratio"}))
+            .rows[0]
+            .cells[1]
+            .ratio,
+        "");
+    EXPECT_EQ(table_of(two_by_two(), layout_with(&TableLayout::digits, 2)).rows[0].cells[0].mean,
+              "0.012 ± 0.001");
 }
 
 TEST(Table, ADifferenceThatDoesNotSurviveIsNotMarked) {
