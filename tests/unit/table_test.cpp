@@ -283,8 +283,10 @@ TEST(Table, RowsAreSortedWithMeansOfScenesLast) {
 }
 
 TEST(Table, PartsAreHiddenAndDigitsChosen) {
-    const Table table =
-        table_of(two_by_two(), {.hidden = {"mean", "seeds", "effort", "footer"}, .digits = 2});
+    TableLayout layout;
+    layout.hidden = {"mean", "seeds", "effort", "footer"};
+    layout.digits = 2;
+    const Table table = table_of(two_by_two(), layout);
     EXPECT_EQ(table.rows[0].cells[1].mean, "");
     EXPECT_EQ(table.rows[0].cells[1].ratio, "×0.50 [0.45, 0.56] ▼*");
     EXPECT_EQ(table.rows[0].cells[1].effort, "");
