@@ -28,9 +28,8 @@ class SeedFields {
         std::set<std::string> names{"scene",  "method",  "budget", "seed",
                                     "passes", "seconds", "value"};
         for (const CellSeeds& cell : cells) {
-            for (const auto& [name, value] : nlohmann::json::parse(cell.parameters).items()) {
-                names.insert(name);
-            }
+            const auto parameters = parameters_from_json(nlohmann::json::parse(cell.parameters));
+            for (const auto& [name, value] : parameters) names.insert(name);
         }
         return names;
     }

@@ -15,10 +15,12 @@ void add_table(CLI::App& app, Chosen& chosen) {
         add_verb(app, "table", "print what an experiment says", table_verb, options, chosen);
     verb.add_option("store", options->store, "results store")->required();
     verb.add_option("--experiment", options->experiments,
-                    "its name, also several times; default: the latest");
+                    "its name, also several times; default: the latest")
+        ->allow_extra_args(false);
     verb.add_option("--metric", options->metrics,
                     "its id, also several times; METRIC*cpu, 1/(METRIC*cpu), seconds_per_pass, "
-                    "passes, cpu_seconds, wall_seconds, rays; default: the experiment's first");
+                    "passes, cpu_seconds, wall_seconds, rays; default: the experiment's first")
+        ->allow_extra_args(false);
     verb.add_option("--rows", options->rows,
                     "what goes down: scene, method, budget, metric, experiment or a parameter")
         ->capture_default_str();
@@ -33,6 +35,7 @@ void add_table(CLI::App& app, Chosen& chosen) {
     verb.add_flag("--group", options->group,
                   "the same of each group of scenes: what stands before the first / of a name");
     verb.add_option("--hide", options->hidden, "any of mean, ratio, seeds, effort, footer")
+        ->allow_extra_args(false)
         ->delimiter(',')
         ->check(
             CLI::IsMember(std::vector<std::string>(std::begin(kHideable), std::end(kHideable))));

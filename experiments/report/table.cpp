@@ -260,7 +260,7 @@ Table make_table(std::span<const Comparison> comparisons, const TableLayout& lay
             }
             const auto& [comparison, cell] = found->second;
             row.cells.push_back(lay_out_cell(*comparison, *cell, layout, notes));
-            row.is_mean_of_scenes |= cell->is_mean_of_scenes && layout.rows == "scene";
+            row.is_mean_of_scenes |= cell->is_mean_of_scenes && layout.columns != "scene";
         }
     }
     sort_rows(table, layout.sort);

@@ -101,8 +101,10 @@ TEST_F(CliTest, VersionAndHelpAreResults) {
     EXPECT_THAT(misbench({"--version"}).out, StartsWith("misbench "));
     EXPECT_EQ(misbench({"--version"}).exit_code, 0);
     EXPECT_THAT(misbench({"--help"}).out, HasSubstr("130 interrupted"));
-    for (const char* verb : {"list", "render", "scene", "plan", "run", "table", "claims", "report",
-                             "compare", "reindex", "status", "replay"}) {
+    for (const char* verb :
+         {"list",   "render", "scene",   "plan",    "run",      "table", "sql",
+          "claims", "report", "compare", "bias",    "selftest", "diff",  "explain",
+          "import", "export", "merge",   "reindex", "status",   "replay"}) {
         const Outcome help = misbench({verb, "--help"});
         EXPECT_EQ(help.exit_code, 0) << verb;
         EXPECT_THAT(help.out, HasSubstr("Usage")) << verb;
@@ -414,6 +416,43 @@ TEST_F(CliTest, TableTakesMetricRowsColumnsAndFormat) {
     EXPECT_EQ(json.at("metric"), "mse");
     EXPECT_EQ(json.at("cells").size(), 8U);
     EXPECT_EQ(json.at("cells").at(0).at("values").size(), 4U);
+}
+
+TEST_F(CliTest, EveryOptionOfATableHasAnEffect) {
+    const auto table = [](std::vector<std::string> more) {
+        more.insert(more.begin(), "table");
+        more.push_back(file("store"));
+        const Outcome outcome = misbench(more);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.out;
+    };
+    EXPECT_THAT(table({"--metric", "mse", "--metric", "mse*cpu", "--cols", "metric"}),
+                HasSubstr(" mse*cpu"));
+    EXPECT_THAT(table({"--where", "method=mis and budget=2spp"}), Not(HasSubstr("nee")));
+    EXPECT_THAT(table({"--ratio-to", "mis"}), HasSubstr("baseline 'mis'"));
+    EXPECT_THAT(table({"--ratio-to", "best"}), HasSubstr("a ranking, not a test"));
+    EXPECT_THAT(table({"--mean"}), HasSubstr("geometric mean of 2 scenes"));
+    EXPECT_THAT(table({"--group"}), HasSubstr("geometric mean of 1 scene CornellBox"));
+    EXPECT_NE(table({"--sort", "mis"}), table({"--sort", "name"}));
+    EXPECT_THAT(table({"--hide", "ratio,footer"}), Not(HasSubstr("×")));
+    EXPECT_NE(table({"--precision", "1"}), table({"--precision", "5"}));
+    EXPECT_THAT(table({"--format", "html"}), StartsWith("<table"));
+    EXPECT_THAT(table({"--format", "latex-macros"}), StartsWith("\\newcommand{\\Tiny"));
+    expect_error(misbench({"table", file("store"), "--where", "sene=x"}), 2, "known: bsdf budget");
+    expect_error(misbench({"table", file("store"), "--where", "seed=99"}), 2, "no seed matches");
+    expect_error(misbench({"table", file("store"), "--hide", "all"}), 2, "all");
+}
+
+TEST_F(CliTest, SqlAsksAndNeverChanges) {
+    const std::string count = "SELECT count(*) AS n FROM comparisons";
+    EXPECT_EQ(misbench({"sql", file("store"), count}).out, "n\n4\n");
+    EXPECT_EQ(misbench({"sql", file("store"), count, "--format", "csv"}).out, "n\n4\n");
+    EXPECT_EQ(misbench({"sql", file("store"), count, "--format", "json"}).out, "[\n{\"n\":4}\n]\n");
+    EXPECT_EQ(misbench({"sql", file("store"), count, "--format", "markdown"}).out,
+              "| n |\n|---|\n| 4 |\n");
+    EXPECT_THAT(misbench({"sql", file("store")}).out, HasSubstr("CREATE VIEW results"));
+    expect_error(misbench({"sql", file("store"), "DELETE FROM runs"}), 2, "may only read");
+    expect_error(misbench({"sql", file("nowhere"), count}), 2, "nowhere");
 }
 
 TEST_F(CliTest, TableOfWhatIsNotThereSaysWhatIs) {

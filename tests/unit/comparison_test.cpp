@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
 
 #include "renderer/base/error.h"
@@ -180,6 +181,92 @@ TEST_F(ComparisonTest, TakesTheMetricAndTheBudgetAskedFor) {
     } catch (const ParameterError& e) {
         EXPECT_STREQ(e.what(), "experiment 'first' has no budget '17 spp'; known: '16 spp'");
     }
+}
+
+TEST_F(ComparisonTest, AdjustsEveryRatioForAllOfThem) {
+    commit_all(store_, plan_);
+    store_.measure(plan_);
+    std::vector<Comparison> both{compare(store_, plan_), compare(store_, plan_, kSecondsPerPass)};
+    const ComparedCell& error = both[0].cells[1];
+    const ComparedCell& time = both[1].cells[1];
+    ASSERT_TRUE(error.p && time.p);
+    EXPECT_EQ(error.p, p_value(*error.ratio_log));
+    EXPECT_EQ(error.adjusted_p, error.p);  // the only one
+    EXPECT_EQ(time.p, 1);                  // the same time, seed by seed
+    EXPECT_TRUE(error.differs());
+    adjust_p_values(both);
+    EXPECT_DOUBLE_EQ(*both[0].cells[1].adjusted_p, 2 * *error.p);
+    EXPECT_FALSE(both[0].cells[0].adjusted_p);
+}
+
+TEST_F(ComparisonTest, AsksForSeedsBaselinesAndCosts) {
+    for (const Cell& cell : plan_.cells) {
+        commit(cell, [&cell](Record& record) {
+            record.statistics.cpu_seconds = static_cast<double>(cell.seed);
+        });
+    }
+    store_.measure(plan_);
+    const auto ask = [this](std::string Question::*part, const std::string& text) {
+        Question question;
+        question.*part = text;
+        return compare(store_, plan_, question);
+    };
+    const Comparison all = compare(store_, plan_);
+    const Comparison some = ask(&Question::where, "method=clever and seed<=3");
+    ASSERT_EQ(some.cells.size(), 1U);
+    EXPECT_THAT(some.methods, ElementsAre("clever"));
+    EXPECT_THAT(some.cells[0].seeds, ElementsAre(1, 2, 3));
+    EXPECT_EQ(some.cells[0].n_planned, 3);
+    EXPECT_TRUE(ask(&Question::where, "max_depth>3").cells.empty());
+
+    const Comparison to_clever = ask(&Question::ratio_to, "clever");
+    EXPECT_TRUE(to_clever.cells[1].is_baseline);
+    EXPECT_NEAR(to_clever.cells[0].ratio->value, 1 / all.cells[1].ratio->value, 1e-12);
+    const Comparison to_best = ask(&Question::ratio_to, kToBest);
+    EXPECT_TRUE(to_best.cells[1].is_baseline);
+    EXPECT_FALSE(to_best.cells[0].adjusted_p);
+    EXPECT_FALSE(ask(&Question::ratio_to, kToNone).cells[1].ratio);
+    EXPECT_THROW(ask(&Question::ratio_to, "cleverer"), ParameterError);
+
+    const Comparison cost = ask(&Question::quantity, "mse*cpu");
+    const Comparison error = ask(&Question::quantity, "mse");
+    for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_DOUBLE_EQ(cost.cells[0].values[i],
+                         error.cells[0].values[i] * static_cast<double>(i + 1));
+    }
+    const Comparison efficiency = ask(&Question::quantity, "1/(mse*cpu)");
+    EXPECT_EQ(efficiency.better, Direction::More);
+    EXPECT_DOUBLE_EQ(efficiency.cells[1].mean->value, 1 / cost.cells[1].mean->value);
+    EXPECT_NEAR(efficiency.cells[1].ratio->value, 1 / cost.cells[1].ratio->value, 1e-12);
+    EXPECT_NEAR(efficiency.cells[1].ratio->interval->low, 1 / cost.cells[1].ratio->interval->high,
+                1e-12);
+}
+
+TEST_F(ComparisonTest, MeansOverScenesAreOfRatiosAndNeedThemAll) {
+    commit_all(store_, plan_);
+    store_.measure(plan_);
+    Comparison comparison = compare(store_, plan_);
+    const Estimate ratio = *comparison.cells[1].ratio;
+    for (int i = 0; i < 2; ++i) {
+        ComparedCell other = comparison.cells[static_cast<std::size_t>(i)];
+        other.scene = "Box/Two";
+        if (other.ratio_log) other.ratio_log->value += 1;
+        comparison.cells.push_back(other);
+    }
+    comparison.scenes.emplace_back("Box/Two");
+    add_means_over_scenes(comparison, false);
+    const ComparedCell& mean = comparison.cells.back();
+    EXPECT_TRUE(mean.is_mean_of_scenes);
+    EXPECT_EQ(mean.scene, "geometric mean of 2 scenes");
+    EXPECT_NEAR(mean.ratio->value, ratio.value * std::exp(0.5), 1e-12);
+
+    Comparison grouped = comparison;
+    grouped.scenes.pop_back();
+    grouped.cells.pop_back();
+    grouped.cells.back().ratio_log.reset();
+    Comparison lacking = grouped;
+    add_means_over_scenes(lacking, true);
+    EXPECT_FALSE(lacking.cells.back().is_mean_of_scenes);
 }
 
 }  // namespace

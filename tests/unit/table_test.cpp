@@ -1,7 +1,9 @@
 // Tables from comparison values: numbers, alignment, marks, and every format's escapes.
 #include <gmock/gmock.h>
 
+#include <cctype>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "experiments/report/numbers.h"
 #include "experiments/report/table_formats.h"
@@ -60,6 +62,19 @@ Comparison two_by_two() {
         cell("Käfig", "pt", kFew, with_interval(1.5, 1.25, 1.75)),
         cell("Käfig", "mis_2", kFew, with_interval(1.6, 1.5, 1.7), with_interval(1.07, 0.9, 1.3))};
     return comparison;
+}
+
+TableLayout rows_and_columns(const std::string& rows, const std::string& columns) {
+    TableLayout layout;
+    layout.rows = rows;
+    layout.columns = columns;
+    return layout;
+}
+
+TableLayout layout_with(auto TableLayout::*part, const auto& value) {
+    TableLayout layout;
+    layout.*part = value;
+    return layout;
 }
 
 Table table_of(const Comparison& comparison, const TableLayout& layout = {}) {
@@ -135,7 +150,7 @@ TEST(Table, RowsAndColumnsAreChosenAndTheThirdAxisMakesFurtherRows) {
     Comparison comparison = two_by_two();
     comparison.budgets.push_back(kLong);
     comparison.cells.push_back(cell("Box", "pt", kLong, with_interval(7, 6, 8)));
-    const Table table = table_of(comparison, {.rows = "method", .columns = "scene"});
+    const Table table = table_of(comparison, rows_and_columns("method", "scene"));
     EXPECT_EQ(table.title, "exp: mse");
     EXPECT_THAT(table.label_headers, ElementsAre("method", "budget"));
     EXPECT_THAT(table.columns, ElementsAre("Box", "Käfig"));
@@ -150,9 +165,9 @@ TEST(Table, RowsAndColumnsAreChosenAndTheThirdAxisMakesFurtherRows) {
 }
 
 TEST(Table, TheSameAxisTwiceIsRefused) {
-    EXPECT_THROW(table_of(two_by_two(), {.rows = "scene", .columns = "scene"}), Error);
+    EXPECT_THROW(table_of(two_by_two(), rows_and_columns("scene", "scene")), Error);
     try {
-        table_of(two_by_two(), {.rows = "seed"});
+        table_of(two_by_two(), rows_and_columns("seed", "method"));
         ADD_FAILURE() << "laid out";
     } catch (const Error& e) {
         EXPECT_STREQ(e.what(), "unknown axis 'seed'; known: scene method budget metric experiment");
@@ -221,6 +236,80 @@ TEST(Table, DoubtfulNumbersAreMarkedAndTheMarksExplained) {
                                       HasSubstr("\na no interval: fewer than 3 seeds\n")));
 }
 
+TEST(Table, AnyAxesAreShownAndRowsSayWhatTellsCellsApart) {
+    std::vector<Comparison> both{two_by_two(), two_by_two()};
+    both[1].metric = "relmse";
+    for (Comparison& comparison : both) {
+        for (ComparedCell& c : comparison.cells) {
+            if (c.method == "mis_2") c.parameters = {{"depth", std::int64_t{12}}};
+            if (c.method == "pt") c.parameters = {{"depth", std::int64_t{5}}};
+        }
+    }
+    const Table by_metric = make_table(both, rows_and_columns("method", "metric"), {});
+    EXPECT_THAT(by_metric.columns, ElementsAre("mse", "relmse"));
+    EXPECT_THAT(by_metric.label_headers, ElementsAre("method", "scene"));
+    ASSERT_EQ(by_metric.rows.size(), 4U);
+    EXPECT_THAT(by_metric.rows[1].labels, ElementsAre("pt", "Käfig"));
+    const Table by_depth = make_table(both, rows_and_columns("scene", "depth"), {});
+    EXPECT_THAT(by_depth.columns, ElementsAre("5", "12"));
+    EXPECT_THAT(by_depth.label_headers, ElementsAre("scene", "metric"));
+}
+
+TEST(Table, RowsAreSortedWithMeansOfScenesLast) {
+    Comparison comparison = two_by_two();
+    ComparedCell mean;
+    mean.scene = "all";
+    mean.method = "mis_2";
+    mean.budget = kFew;
+    mean.ratio = with_interval(0.7, 0.5, 0.9);
+    mean.is_mean_of_scenes = true;
+    comparison.scenes.emplace_back("all");
+    comparison.cells.push_back(mean);
+    const auto order = [&](const std::string& sort) {
+        std::vector<std::string> labels;
+        for (const TableRow& row :
+             table_of(comparison, layout_with(&TableLayout::sort, sort)).rows) {
+            labels.push_back(row.labels[0]);
+        }
+        return labels;
+    };
+    comparison.cells[0].mean->value = 3;
+    EXPECT_THAT(order(""), ElementsAre("Box", "Käfig", "all"));
+    EXPECT_THAT(order("pt"), ElementsAre("Käfig", "Box", "all"));
+    EXPECT_THAT(order("mis_2"), ElementsAre("Box", "Käfig", "all"));
+    EXPECT_THAT(order("name"), ElementsAre("Box", "Käfig", "all"));
+    EXPECT_THROW(order("pt2"), Error);
+    EXPECT_EQ(table_of(comparison).rows[2].cells[1].ratio, "×0.70 [0.50, 0.90]");
+}
+
+TEST(Table, PartsAreHiddenAndDigitsChosen) {
+    TableLayout layout;
+    layout.hidden = {"mean", "seeds", "effort", "footer"};
+    layout.digits = 2;
+    const Table table = table_of(two_by_two(), layout);
+    EXPECT_EQ(table.rows[0].cells[1].mean, "");
+    EXPECT_EQ(table.rows[0].cells[1].ratio, "×0.50 [0.45, 0.56] ▼*");
+    EXPECT_EQ(table.rows[0].cells[1].effort, "");
+    EXPECT_TRUE(table.footer.empty());
+    EXPECT_EQ(
+        table_of(two_by_two(), layout_with(&TableLayout::hidden, std::set<std::string>{"ratio"}))
+            .rows[0]
+            .cells[1]
+            .ratio,
+        "");
+    EXPECT_EQ(table_of(two_by_two(), layout_with(&TableLayout::digits, 2)).rows[0].cells[0].mean,
+              "0.012 ± 0.001");
+}
+
+TEST(Table, ADifferenceThatDoesNotSurviveIsNotMarked) {
+    Comparison comparison = two_by_two();
+    comparison.cells[1].adjusted_p = 0.06;  // though its interval excludes 1
+    const Table table = table_of(comparison);
+    EXPECT_EQ(table.rows[0].cells[1].ratio, "×0.500 [0.450, 0.560]");
+    EXPECT_EQ(table.rows[0].cells[1].verdict, Verdict::None);
+    EXPECT_THAT(to_text(table), HasSubstr("p ≤ 0.05, adjusted for all 2 ratios of the table"));
+}
+
 // --- formats -------------------------------------------------------------------------------------
 
 TEST(TableFormats, EscapesKeepNamesFromBeingSyntax) {
@@ -261,6 +350,39 @@ TEST(TableFormats, HtmlMarksVerdictsAndEscapesNames) {
     EXPECT_THAT(html, AllOf(HasSubstr("<th>&lt;Box&gt;</th>"), Not(HasSubstr("<Box>")),
                             HasSubstr("<td class=\"better\"><span class=\"mean\">0.00610"),
                             HasSubstr("about 16 spp in 0.5 s cpu")));
+}
+
+TEST(TableFormats, LatexMacrosHaveTheDigitsOfTheTableAndNamesOfLetters) {
+    Comparison comparison = two_by_two();
+    comparison.scenes[1] = comparison.cells[2].scene = comparison.cells[3].scene = "B-ox 2.5";
+    comparison.cells[0].mean = with_interval(1.234e-7, 1.1e-7, 1.368e-7);
+    const std::string tex = to_latex_macros({&comparison, 1}, {});
+    EXPECT_THAT(
+        tex, testing::StartsWith(
+                 "\\newcommand{\\ExpMseBoxPtOneSixSppMean}{\\ensuremath{1.23\\times 10^{-7}}}\n"));
+    EXPECT_THAT(tex, AllOf(HasSubstr("\\newcommand{\\ExpMseBoxMisTwoOneSixSppMean}{0.00610}\n"),
+                           HasSubstr("\\ExpMseBoxMisTwoOneSixSppMeanLow}{0.00560}\n"),
+                           HasSubstr("\\ExpMseBoxMisTwoOneSixSppRatioHigh}{0.560}\n"),
+                           HasSubstr("\\ExpMseBOxTwoPointFivePtOneSixSppMean}{1.50}\n")));
+}
+
+TEST(TableFormats, LatexMacrosOfDifferentNumbersHaveDifferentNames) {
+    Comparison comparison = two_by_two();
+    for (const std::size_t i : {0U, 1U}) comparison.cells[i].scene = "a b";
+    for (const std::size_t i : {2U, 3U}) comparison.cells[i].scene = "a-b";
+    comparison.cells[3].method = "Mean Low";
+    const std::string tex = to_latex_macros({&comparison, 1}, {});
+    std::set<std::string> names;
+    int n_lines = 0;
+    for (std::size_t at = 0; at < tex.size(); at = tex.find('\n', at) + 1) {
+        const std::size_t begin = at + std::string("\\newcommand{\\").size();
+        const std::string name = tex.substr(begin, tex.find('}', begin) - begin);
+        EXPECT_TRUE(std::ranges::all_of(name, [](unsigned char c) { return std::isalpha(c); }));
+        names.insert(name);
+        ++n_lines;
+    }
+    EXPECT_EQ(names.size(), 18U);
+    EXPECT_EQ(n_lines, 18);
 }
 
 TEST(TableFormats, CsvHasEveryCellInFullPrecision) {
