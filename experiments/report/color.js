@@ -2,7 +2,7 @@
 // in false colours.
 
 // Encoded sRGB (IEC 61966-2-1) of i/65535.
-const kSrgb = Uint8Array.from({ length: 65536 }, (_, i) => {
+const kSrgb = Uint8Array.from({length: 65536}, (_, i) => {
     const linear = i / 65535;
     const encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
     return Math.round(255 * encoded);
@@ -22,8 +22,8 @@ function colorMap(stops) {
     }
     return map;
 }
-const kDiverging = colorMap(
-    [[5, 48, 97], [67, 147, 195], [247, 247, 247], [214, 96, 77], [103, 0, 31]]);
+const kDiverging =
+    colorMap([[5, 48, 97], [67, 147, 195], [247, 247, 247], [214, 96, 77], [103, 0, 31]]);
 const kHeat = colorMap([[0, 0, 4], [87, 16, 110], [188, 55, 84], [249, 142, 9], [252, 255, 164]]);
 
 // Where the color of t, of 0 to 1, begins in a map.
@@ -56,38 +56,46 @@ function relativeSquaredErrorAt(image, reference, i) {
 // behind it; `bar` is the color bar, with what its ends stand for. `stops` is the exposure.
 const kModes = {
     image: {
-        name: "image", key: "i", needsReference: false,
+        name: "image",
+        key: "i",
+        needsReference: false,
         values: (image, _, i) => image.planes.map((plane) => plane[i]),
-        painter: ({ planes }, _, stops) => {
+        painter: ({planes}, _, stops) => {
             const gain = 65535 * 2 ** stops;
             return (i, data, at) => {
                 for (let c = 0; c < 3; ++c) {
-                    data[at + c] = kSrgb[Math.min(65535, Math.max(0, gain * planes[c][i] + 0.5)) | 0];
+                    data[at + c] =
+                        kSrgb[Math.min(65535, Math.max(0, gain * planes[c][i] + 0.5)) | 0];
                 }
             };
         },
     },
     difference: {
-        name: "difference", key: "d", needsReference: true,
+        name: "difference",
+        key: "d",
+        needsReference: true,
         values: (image, reference, i) => [differenceAt(image, reference, i)],
         painter: (image, reference, stops) => mapPainter(
             kDiverging, (i) => 0.5 + 0.5 * 2 ** stops * differenceAt(image, reference, i)),
         bar: (stops) => {
             const limit = (2 ** -stops).toPrecision(2);
-            return { map: kDiverging, low: `−${limit}`, high: `+${limit}` };
+            return {map: kDiverging, low: `−${limit}`, high: `+${limit}`};
         },
     },
     error: {
-        name: "relative squared error", key: "r", needsReference: true,
+        name: "relative squared error",
+        key: "r",
+        needsReference: true,
         values: (image, reference, i) => [relativeSquaredErrorAt(image, reference, i)],
         painter: (image, reference, stops) => {
             const [low, high] = errorRange(stops).map(Math.log10);
-            return mapPainter(kHeat, (i) => (
-                Math.log10(relativeSquaredErrorAt(image, reference, i)) - low) / (high - low));
+            return mapPainter(kHeat,
+                (i) =>
+                    (Math.log10(relativeSquaredErrorAt(image, reference, i)) - low) / (high - low));
         },
         bar: (stops) => {
             const [low, high] = errorRange(stops).map((error) => error.toPrecision(2));
-            return { map: kHeat, low, high };
+            return {map: kHeat, low, high};
         },
     },
 };
@@ -103,11 +111,11 @@ function mapPainter(map, place) {
 
 // The whole image as a canvas of its own size.
 function paint(mode, image, reference, stops) {
-    const { width, height, planes } = image;
+    const {width, height, planes} = image;
     const canvas = new OffscreenCanvas(width, height);
-    const context = canvas.getContext("2d", { willReadFrequently: true });
+    const context = canvas.getContext("2d", {willReadFrequently: true});
     const pixels = context.createImageData(width, height);
-    const { data } = pixels;
+    const {data} = pixels;
     const paintPixel = kModes[mode].painter(image, reference, stops);
     for (let i = 0; i < width * height; ++i) {
         // A sum is finite only if its terms are; one beyond the largest double does not occur.

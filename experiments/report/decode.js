@@ -8,15 +8,18 @@ const report = JSON.parse(document.getElementById("data").textContent);
 function element(tag, properties = {}, ...children) {
     const made = document.createElement(tag);
     for (const [name, value] of Object.entries(properties)) {
-        if (typeof value === "function") made.addEventListener(name, value);
-        else if (name === "text") made.textContent = value;
-        else made.setAttribute(name, value);
+        if (typeof value === "function")
+            made.addEventListener(name, value);
+        else if (name === "text")
+            made.textContent = value;
+        else
+            made.setAttribute(name, value);
     }
     made.append(...children);
     return made;
 }
 
-const kHalfToFloat = Float32Array.from({ length: 65536 }, (_, bits) => {
+const kHalfToFloat = Float32Array.from({length: 65536}, (_, bits) => {
     const sign = bits & 0x8000 ? -1 : 1;
     const exponent = (bits >> 10) & 31;
     const fraction = bits & 1023;
@@ -60,7 +63,7 @@ function bitsOfPlane(bytes, plane, n, nBytes) {
 
 // {width, height, planes: red, green and blue as floats, isHalf}.
 async function decodeBlock(number) {
-    const { width, height, precision, scale } = report.blocks[number];
+    const {width, height, precision, scale} = report.blocks[number];
     const bytes = await inflate(await textOfBlock(number));
     const n = width * height;
     const isHalf = precision === "half";
@@ -74,21 +77,21 @@ async function decodeBlock(number) {
         for (let i = 0; i < n; ++i) values[i] = kHalfToFloat[plane[i]] / scale;
         return values;
     });
-    return { width, height, planes, isHalf };
+    return {width, height, planes, isHalf};
 }
 
 // The values of the keys that were asked for last, as many as weigh no more than a limit.
 class Cache {
     constructor(limit, make, weigh) {
-        Object.assign(this, { limit, make, weigh, weight: 0, held: new Map() });
+        Object.assign(this, {limit, make, weigh, weight: 0, held: new Map()});
     }
     get(key) {
         const known = this.held.get(key);
-        const entry = known ?? { value: this.make(key), weight: this.weigh(key) };
+        const entry = known ?? {value: this.make(key), weight: this.weigh(key)};
         if (known === undefined) this.weight += entry.weight;
         this.held.delete(key);
         this.held.set(key, entry);
-        for (const [oldest, { weight }] of this.held) {
+        for (const [oldest, {weight}] of this.held) {
             if (this.weight <= this.limit || oldest === key) break;
             this.held.delete(oldest);
             this.weight -= weight;
@@ -98,6 +101,5 @@ class Cache {
 }
 
 const kDecodedBytes = 256 * 2 ** 20;
-const decodedBlocks = new Cache(
-    kDecodedBytes, decodeBlock,
+const decodedBlocks = new Cache(kDecodedBytes, decodeBlock,
     (number) => 12 * report.blocks[number].width * report.blocks[number].height);

@@ -7,8 +7,8 @@ const kRoomForValues = 64;
 class Pane {
     constructor(label) {
         this.canvas = element("canvas");
-        this.label = element("span", { class: "pane-label", text: label });
-        this.root = element("div", { class: "pane" }, this.canvas, this.label);
+        this.label = element("span", {class: "pane-label", text: label});
+        this.root = element("div", {class: "pane"}, this.canvas, this.label);
         this.bitmap = null;  // what paint() gives
         this.image = null;   // and its pixels
         this.values = null;  // what is written into a pixel, from its number
@@ -49,10 +49,11 @@ class Pane {
         const left = Math.round(this.canvas.width / 2 - view.x * scale);
         const top = Math.round(this.canvas.height / 2 - view.y * scale);
         context.imageSmoothingEnabled = scale < 1;
-        context.drawImage(this.bitmap, left, top, this.image.width * scale, this.image.height * scale);
+        context.drawImage(
+            this.bitmap, left, top, this.image.width * scale, this.image.height * scale);
         if (scale >= kRoomForValues * density) this.drawValues(context, left, top, scale);
         if (selection !== null) {
-            const { x, y, w, h } = selection;
+            const {x, y, w, h} = selection;
             const box = [left + x * scale, top + y * scale, w * scale, h * scale];
             context.lineWidth = 3 * density;
             context.strokeStyle = "#000";
@@ -65,7 +66,7 @@ class Pane {
 
     // The numbers of every pixel in sight, in black or white, whichever is read better.
     drawValues(context, left, top, scale) {
-        const { width, height } = this.image;
+        const {width, height} = this.image;
         const size = Math.floor(scale / 5.5);
         context.font = `${size}px ui-monospace, "DejaVu Sans Mono", monospace`;
         context.textAlign = "center";
@@ -80,8 +81,8 @@ class Pane {
                 const numbers = this.values(y * width + x);
                 numbers.forEach((number, k) => {
                     const down = 1.3 * size * (k - (numbers.length - 1) / 2);
-                    context.fillText(
-                        shortNumber(number), left + (x + 0.5) * scale, top + (y + 0.5) * scale + down);
+                    context.fillText(shortNumber(number), left + (x + 0.5) * scale,
+                        top + (y + 0.5) * scale + down);
                 });
             }
         }
@@ -92,5 +93,6 @@ class Pane {
 function shortNumber(value) {
     if (!Number.isFinite(value)) return String(value);
     const size = Math.abs(value);
-    return size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(1) : value.toPrecision(3);
+    return size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(1) :
+                                                        value.toPrecision(3);
 }

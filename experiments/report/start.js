@@ -2,16 +2,17 @@
 
 const viewer = new Viewer(document.getElementById("viewer"));
 const tables = makeTables();
-const charts = new Charts(document.getElementById("chart-tools"), document.getElementById("chart-grid"));
+const charts =
+    new Charts(document.getElementById("chart-tools"), document.getElementById("chart-grid"));
 
 document.querySelector(".claims-link").hidden = document.getElementById("claims") === null;
-document.getElementById("contents").addEventListener("click", ({ target }) => {
+document.getElementById("contents").addEventListener("click", ({target}) => {
     if (target.dataset.scene !== undefined) {
         const scene = Number(target.dataset.scene);
-        viewer.set({ scene });
-        charts.set({ scene });
+        viewer.set({scene});
+        charts.set({scene});
     } else if (target.dataset.method !== undefined) {
-        viewer.set({ method: Number(target.dataset.method) + 1 });
+        viewer.set({method: Number(target.dataset.method) + 1});
     }
 });
 window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => charts.draw());

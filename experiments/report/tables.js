@@ -2,25 +2,31 @@
 // intervals behind each cell under the pointer.
 
 // A number with as many digits as a reader may want to copy.
-const precise = (value) => (value === null || value === undefined ? "–" : Number(value.toPrecision(6)).toString());
+const precise = (value) =>
+    (value === null || value === undefined ? "–" : Number(value.toPrecision(6)).toString());
 
 // All that is known of one cell of a comparison, a line each.
 function tellCell(cell, comparison) {
-    const interval = (estimate) => estimate.interval
-        ? `[${estimate.interval.map(precise).join(", ")}]` : `no interval: ${estimate.no_interval}`;
+    const interval = (estimate) => estimate.interval ?
+        `[${estimate.interval.map(precise).join(", ")}]` :
+        `no interval: ${estimate.no_interval}`;
     const lines = [`${cell.scene}, ${cell.method}, ${cell.budget}`];
-    if (cell.mean) lines.push(`${comparison.metric} ${precise(cell.mean.value)} ${interval(cell.mean)}`);
+    if (cell.mean)
+        lines.push(`${comparison.metric} ${precise(cell.mean.value)} ${interval(cell.mean)}`);
     if (cell.ratio) {
         const kind = cell.ratio_is_paired ? "paired by seed" : "Welch";
-        lines.push(`× ${precise(cell.ratio.value)} of ${comparison.baseline} ${interval(cell.ratio)}, ${kind}`);
+        const ratio = `× ${precise(cell.ratio.value)} of ${comparison.baseline}`;
+        lines.push(`${ratio} ${interval(cell.ratio)}, ${kind}`);
     }
     if (cell.values.length > 0) {
-        lines.push(`seeds: ${cell.seeds.map((seed, i) => `${seed}: ${precise(cell.values[i])}`).join(", ")}`);
-        lines.push(`${precise(cell.passes)} spp, ${precise(cell.cpu_seconds)} s cpu, ` +
-            `${precise(cell.wall_seconds)} s wall`);
+        const seeds = cell.seeds.map((seed, i) => `${seed}: ${precise(cell.values[i])}`);
+        lines.push(`seeds: ${seeds.join(", ")}`);
+        const times = [cell.passes, cell.cpu_seconds, cell.wall_seconds].map(precise);
+        lines.push(`${times[0]} spp, ${times[1]} s cpu, ${times[2]} s wall`);
     }
     if (cell.tail) lines.push(`largest seed over median: ${precise(cell.tail)}`);
-    if (cell.measured < cell.planned) lines.push(`${cell.measured} of ${cell.planned} seeds measured`);
+    if (cell.measured < cell.planned)
+        lines.push(`${cell.measured} of ${cell.planned} seeds measured`);
     return lines.join("\n");
 }
 
@@ -58,7 +64,7 @@ class ResultTable {
     // Up, down, and the third time in the experiment's order.
     sortBy(column) {
         const header = this.headers[column];
-        const orders = { undefined: "ascending", ascending: "descending", descending: undefined };
+        const orders = {undefined: "ascending", ascending: "descending", descending: undefined};
         const order = orders[header.ariaSort ?? undefined];
         for (const other of this.headers) other.removeAttribute("aria-sort");
         const rows = [...this.original];
@@ -72,7 +78,8 @@ class ResultTable {
 
     // Cells without a number come last in ascending order.
     compare(a, b) {
-        if (a.tagName === "TH") return a.textContent.localeCompare(b.textContent, "en", { numeric: true });
+        if (a.tagName === "TH")
+            return a.textContent.localeCompare(b.textContent, "en", {numeric: true});
         const [x, y] = [a, b].map((cell) => Number(cell.dataset.value ?? Infinity));
         return x === y ? 0 : x - y;
     }
@@ -81,11 +88,15 @@ class ResultTable {
         const has = (text, part) => text.toLowerCase().includes(part.toLowerCase());
         const isShown = this.headers.map(
             (header, column) => column < this.nLabels || has(header.textContent, columnText));
-        this.headers.forEach((header, column) => { header.hidden = !isShown[column]; });
+        this.headers.forEach((header, column) => {
+            header.hidden = !isShown[column];
+        });
         for (const row of this.original) {
             const labels = [...row.cells].slice(0, this.nLabels).map((label) => label.textContent);
             row.hidden = !has(labels.join(" "), rowText);
-            [...row.cells].forEach((cell, column) => { cell.hidden = !isShown[column]; });
+            [...row.cells].forEach((cell, column) => {
+                cell.hidden = !isShown[column];
+            });
         }
     }
 }
@@ -93,12 +104,19 @@ class ResultTable {
 function makeTables() {
     const tables = [...document.querySelectorAll("#results details")].map(
         (details) => new ResultTable(details, report.metrics[details.dataset.metric]));
-    const [rows, columns] = ["row-filter", "column-filter"].map((id) => document.getElementById(id));
-    const filter = () => tables.forEach((table) => table.filter(rows.value.trim(), columns.value.trim()));
+    const [rows, columns] =
+        ["row-filter", "column-filter"].map((id) => document.getElementById(id));
+    const filter = () =>
+        tables.forEach((table) => table.filter(rows.value.trim(), columns.value.trim()));
     for (const input of [rows, columns]) input.addEventListener("input", filter);
     if (tables.length > 1) {
         document.getElementById("metric-picks").append("metrics ", ...tables.map((table, i) => {
-            const box = element("input", { type: "checkbox", change: () => { table.details.hidden = !box.checked; } });
+            const box = element("input", {
+                type: "checkbox",
+                change: () => {
+                    table.details.hidden = !box.checked;
+                }
+            });
             box.checked = true;
             return element("label", {}, box, ` ${report.metrics[i].metric}`);
         }));

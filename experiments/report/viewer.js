@@ -3,8 +3,8 @@
 
 const kReference = 0;  // the reference's number among the methods
 const kMean = "mean";
-const kMostZoom = 400;  // screen pixels a pixel
-const kReadoutHeight = 120;  // with the caption
+const kMostZoom = 400;              // screen pixels a pixel
+const kReadoutHeight = 120;         // with the caption
 const kMostBitmaps = 64 * 2 ** 20;  // bytes
 
 const step = (from, by, length) => (from + by + length) % length;
@@ -17,22 +17,29 @@ class Viewer {
         this.images = new Map();
         for (const image of report.images) {
             const method = image.method === null ? kReference : image.method + 1;
-            const key = method === kReference
-                ? keyOfImage(image.scene, method, "", "")
-                : keyOfImage(image.scene, method, image.budget, image.seed);
+            const key = method === kReference ?
+                keyOfImage(image.scene, method, "", "") :
+                keyOfImage(image.scene, method, image.budget, image.seed);
             this.images.set(key, image);
         }
-        this.seeds = [...new Set(report.images.map((image) => image.seed).filter((s) => s !== null))];
+        this.seeds =
+            [...new Set(report.images.map((image) => image.seed).filter((s) => s !== null))];
         if (this.seeds.length === 0) this.seeds = [kMean];
         this.state = {
-            scene: 0, method: Math.min(1, report.methods.length), budget: 0, seed: this.seeds[0],
-            mode: "image", stops: 0, isGrid: false,
+            scene: 0,
+            method: Math.min(1, report.methods.length),
+            budget: 0,
+            seed: this.seeds[0],
+            mode: "image",
+            stops: 0,
+            isGrid: false,
         };
         this.before = kReference;
         this.views = new Map();  // by scene
         this.selection = null;
         this.bitmaps = new Cache(kMostBitmaps, (key) => this.makeBitmap(key),
-            (key) => 4 * report.blocks[key.split("|")[0]].width * report.blocks[key.split("|")[0]].height);
+            (key) => 4 * report.blocks[key.split("|")[0]].width *
+                report.blocks[key.split("|")[0]].height);
         this.panes = [];
         this.buildTools();
         this.listen();
@@ -42,10 +49,9 @@ class Viewer {
     // --- what is looked at -----------------------------------------------------------------------
 
     imageOf(method) {
-        const { scene, budget, seed } = this.state;
-        const key = method === kReference
-            ? keyOfImage(scene, method, "", "")
-            : keyOfImage(scene, method, budget, seed);
+        const {scene, budget, seed} = this.state;
+        const key = method === kReference ? keyOfImage(scene, method, "", "") :
+                                            keyOfImage(scene, method, budget, seed);
         return this.images.get(key);
     }
 
@@ -55,15 +61,15 @@ class Viewer {
     }
 
     get view() {
-        const { scene } = this.state;
+        const {scene} = this.state;
         if (!this.views.has(scene)) this.resetView();
         return this.views.get(scene);
     }
 
     resetView() {
         const block = this.anyBlock();
-        const { width, height } = block === undefined ? { width: 1, height: 1 } : report.blocks[block];
-        this.views.set(this.state.scene, { x: width / 2, y: height / 2, zoom: 1 });
+        const {width, height} = block === undefined ? {width: 1, height: 1} : report.blocks[block];
+        this.views.set(this.state.scene, {x: width / 2, y: height / 2, zoom: 1});
     }
 
     // Stops of exposure: the image's are relative to its scene's.
@@ -86,16 +92,17 @@ class Viewer {
         const decoded = [decodedBlocks.get(Number(block))];
         if (reference !== "") decoded.push(decodedBlocks.get(Number(reference)));
         const [image, other] = await Promise.all(decoded);
-        return { image, bitmap: paint(mode, image, other, Number(stops)) };
+        return {image, bitmap: paint(mode, image, other, Number(stops))};
     }
 
     // What a pane shows of a method: {image, bitmap}, or why there is nothing.
     async picture(method) {
-        const { mode } = this.state;
+        const {mode} = this.state;
         const image = this.imageOf(method);
-        if (image === undefined) return { missing: "no finished run" };
+        if (image === undefined) return {missing: "no finished run"};
         const reference = this.imageOf(kReference);
-        if (kModes[mode].needsReference && reference === undefined) return { missing: "no reference" };
+        if (kModes[mode].needsReference && reference === undefined)
+            return {missing: "no reference"};
         const other = kModes[mode].needsReference ? reference.block : "";
         return this.bitmaps.get([image.block, mode, this.stopsOf(mode), other].join("|"));
     }
@@ -104,7 +111,7 @@ class Viewer {
     async show() {
         this.updateTools();
         const turn = (this.turn = (this.turn ?? 0) + 1);
-        const { mode } = this.state;
+        const {mode} = this.state;
         const methods = this.state.isGrid ? this.methods.map((_, i) => i) : [this.state.method];
         const pictures = await Promise.all(methods.map((method) => this.picture(method)));
         const reference = this.imageOf(kReference);
@@ -121,7 +128,8 @@ class Viewer {
             const missing = picture.missing ? `: ${picture.missing}` : "";
             pane.label.textContent = this.methods[methods[i]] + missing;
             pane.label.hidden = !this.state.isGrid && missing === "";
-            pane.root.classList.toggle("picked", this.state.isGrid && methods[i] === this.state.method);
+            pane.root.classList.toggle(
+                "picked", this.state.isGrid && methods[i] === this.state.method);
         });
         this.draw();
         this.tellPixel();
@@ -145,12 +153,15 @@ class Viewer {
             this.stage.append(pane.root);
         }
         const block = this.anyBlock();
-        const { width, height } = block === undefined ? { width: 4, height: 3 } : report.blocks[block];
-        const columns = methods.length === 1 ? 1 : Math.min(methods.length, this.stage.clientWidth < 900 ? 2 : 3);
+        const {width, height} = block === undefined ? {width: 4, height: 3} : report.blocks[block];
+        const columns = methods.length === 1 ?
+            1 :
+            Math.min(methods.length, this.stage.clientWidth < 900 ? 2 : 3);
         const gap = 6;
         const paneWidth = Math.floor((this.stage.clientWidth - gap * (columns - 1)) / columns);
         // The viewer fits into the window, from its first button to its readout.
-        const above = this.stage.getBoundingClientRect().top - this.root.getBoundingClientRect().top;
+        const above =
+            this.stage.getBoundingClientRect().top - this.root.getBoundingClientRect().top;
         const most = Math.max(300, window.innerHeight - above - kReadoutHeight);
         const paneHeight = Math.floor(Math.min(most, (paneWidth * height) / width));
         this.stage.style.gridTemplateColumns = `repeat(${columns}, max-content)`;
@@ -161,7 +172,8 @@ class Viewer {
         for (const pane of this.panes) pane.draw(this.view, this.selection);
         const pane = this.panes.find((p) => p.image !== null);
         const scale = pane ? pane.scale(pane.image, this.view) : 1;
-        this.magnification.textContent = `${scale >= 10 ? scale.toFixed(0) : scale.toPrecision(2)} ×`;
+        this.magnification.textContent =
+            `${scale >= 10 ? scale.toFixed(0) : scale.toPrecision(2)} ×`;
     }
 
     // --- pixels ----------------------------------------------------------------------------------
@@ -175,7 +187,7 @@ class Viewer {
 
     valuesAt(image, x, y) {
         const i = y * image.width + x;
-        const values = { x, y, image: image.planes.map((plane) => plane[i]) };
+        const values = {x, y, image: image.planes.map((plane) => plane[i])};
         if (!this.reference) return values;
         values.reference = this.reference.planes.map((plane) => plane[i]);
         values.difference = differenceAt(image, this.reference, i);
@@ -184,18 +196,19 @@ class Viewer {
     }
 
     tellPixel() {
-        const { pane, x, y } = this.pointer ?? {};
+        const {pane, x, y} = this.pointer ?? {};
         const image = pane?.image;
         if (!image || x < 0 || y < 0 || x >= image.width || y >= image.height) {
-            this.readout.textContent = this.selection
-                ? `crop ${this.cropText()}: c copies it`
-                : "point at a pixel for its values; drag pans, the wheel zooms, shift and drag selects";
+            this.readout.textContent = this.selection ?
+                `crop ${this.cropText()}: c copies it` :
+                "point at a pixel for its values; drag pans, the wheel zooms, shift and drag selects";
             return;
         }
         const values = this.valuesAt(image, x, y);
         const rgb = (numbers) => numbers.map((v) => v.toPrecision(6).padStart(12)).join("");
         const number = (value) => value.toPrecision(4).padStart(11);
-        let text = `x ${String(x).padStart(4)}  y ${String(y).padStart(4)}   image${rgb(values.image)}`;
+        let text =
+            `x ${String(x).padStart(4)}  y ${String(y).padStart(4)}   image${rgb(values.image)}`;
         if (values.reference) {
             text += `\nrelSE${number(values.error)}   refer${rgb(values.reference)}`;
             text += `   difference${number(values.difference)}`;
@@ -205,7 +218,7 @@ class Viewer {
 
     // As figure files write it.
     cropText() {
-        const { x, y, w, h } = this.selection;
+        const {x, y, w, h} = this.selection;
         return `[${x}, ${y}, ${w}, ${h}]`;
     }
 
@@ -218,22 +231,24 @@ class Viewer {
         const canvas = new OffscreenCanvas(k * crop.w, k * crop.h);
         const context = canvas.getContext("2d");
         context.imageSmoothingEnabled = false;
-        context.drawImage(pane.bitmap, crop.x, crop.y, crop.w, crop.h, 0, 0, k * crop.w, k * crop.h);
-        const blob = await canvas.convertToBlob({ type: "image/png" });
+        context.drawImage(
+            pane.bitmap, crop.x, crop.y, crop.w, crop.h, 0, 0, k * crop.w, k * crop.h);
+        const blob = await canvas.convertToBlob({type: "image/png"});
         const what = `[${crop.x}, ${crop.y}, ${crop.w}, ${crop.h}], magnified ${k} ×`;
         try {
-            await navigator.clipboard.write([new ClipboardItem({ "image/png": blob })]);
+            await navigator.clipboard.write([new ClipboardItem({"image/png": blob})]);
             this.readout.textContent = `copied ${what}`;
         } catch {
             // The browser keeps its clipboard to itself.
-            const { scene, method } = this.state;
+            const {scene, method} = this.state;
             const name = `${report.scenes[scene].name}-${this.methods[method]}.png`;
-            const link = element("a", { href: URL.createObjectURL(blob), download: name.replaceAll("/", "-") });
+            const link = element(
+                "a", {href: URL.createObjectURL(blob), download: name.replaceAll("/", "-")});
             link.click();
             setTimeout(() => URL.revokeObjectURL(link.href), 1000);
             this.readout.textContent = `saved ${what}`;
         }
-        return { blob, crop, k };
+        return {blob, crop, k};
     }
 
     inSight(pane) {
@@ -242,7 +257,8 @@ class Viewer {
         const x = Math.max(0, Math.floor(left));
         const y = Math.max(0, Math.floor(top));
         return {
-            x, y,
+            x,
+            y,
             w: Math.max(1, Math.min(pane.image.width, Math.ceil(right)) - x),
             h: Math.max(1, Math.min(pane.image.height, Math.ceil(bottom)) - y),
         };
@@ -251,12 +267,13 @@ class Viewer {
     // --- the state over a reload -----------------------------------------------------------------
 
     save() {
-        const kept = { ...this.state, views: [...this.views] };
+        const kept = {...this.state, views: [...this.views]};
         sessionStorage.setItem(`viewer ${report.experiment}`, JSON.stringify(kept));
     }
 
     restore() {
-        const { views, ...state } = JSON.parse(sessionStorage.getItem(`viewer ${report.experiment}`) ?? "{}");
+        const {views, ...state} =
+            JSON.parse(sessionStorage.getItem(`viewer ${report.experiment}`) ?? "{}");
         const isThere = state.scene < report.scenes.length && state.method < this.methods.length &&
             state.budget < report.budgets.length && this.seeds.includes(state.seed);
         if (!isThere) return this.set({});

@@ -13,7 +13,7 @@ class Browser:
     """One page. Use as a context; `complaints` are the console's errors and uncaught exceptions."""
 
     def __init__(self, program="chromium", width=1280, height=900, flags=()):
-        self.profile = tempfile.TemporaryDirectory()
+        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_browser, self.out = os.pipe()
         self.into, from_browser = os.pipe()
 
