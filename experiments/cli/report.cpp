@@ -45,8 +45,9 @@ Progress progress_of(const Store& store, const std::string& experiment) {
     return progress;
 }
 
+// `note` ends what is said of it.
 void write_report(const Store& store, const Plan& plan, const ReportOptions& options,
-                  std::optional<double> reload_seconds) {
+                  std::optional<double> reload_seconds, const std::string& note = "") {
     const std::filesystem::path output = options.output.empty()
                                              ? store.folder() / "report.html"
                                              : std::filesystem::path(options.output);
@@ -56,9 +57,9 @@ void write_report(const Store& store, const Plan& plan, const ReportOptions& opt
                      .precision = options.full_precision ? Precision::Float : Precision::Half,
                      .reload_seconds = reload_seconds});
     write_file_durably(output, report.html);
-    print_note(fmt::format("wrote {}: {:.1f} MB, {} image{}", output.string(),
+    print_note(fmt::format("wrote {}: {:.1f} MB, {} image{}{}", output.string(),
                            static_cast<double>(report.html.size()) / 1e6, report.n_images,
-                           report.n_images == 1 ? "" : "s"));
+                           report.n_images == 1 ? "" : "s", note));
 }
 
 // Opens the store for each look: it may be rebuilt meanwhile. Whoever runs the experiment measures
@@ -74,8 +75,8 @@ int watch(const ReportOptions& options) {
             return 0;
         }
         if (!is_same) {
-            write_report(store, progress.plan, options, options.interval_seconds);
-            print_note(fmt::format("{} of {} tasks done", progress.n_done, progress.n_tasks));
+            write_report(store, progress.plan, options, options.interval_seconds,
+                         fmt::format("; {} of {} tasks done", progress.n_done, progress.n_tasks));
         }
         last = std::move(progress);
         std::this_thread::sleep_for(std::chrono::duration<double>(options.interval_seconds));

@@ -143,7 +143,7 @@ def look_at_places(page):
         const box = viewer.panes[0].canvas.getBoundingClientRect();
         return [box.left, box.top, box.width, box.height];
     })()""")
-    x, y = box[0] + 0.3 * box[2], box[1] + 0.6 * box[3]
+    x, y = round(box[0] + 0.3 * box[2]), round(box[1] + 0.6 * box[3])
     page.mouse("mouseMoved", x, y)
     pointed = page.run("[viewer.pointer.exactX, viewer.pointer.exactY]")
     page.mouse("mouseWheel", x, y, deltaX=0, deltaY=-720)
