@@ -78,7 +78,7 @@ const kModes = {
         painter: (image, reference, stops) => mapPainter(
             kDiverging, (i) => 0.5 + 0.5 * 2 ** stops * differenceAt(image, reference, i)),
         bar: (stops) => {
-            const limit = (2 ** -stops).toPrecision(2);
+            const limit = tickText(2 ** -stops);
             return {map: kDiverging, low: `−${limit}`, high: `+${limit}`};
         },
     },
@@ -94,7 +94,7 @@ const kModes = {
                     (Math.log10(relativeSquaredErrorAt(image, reference, i)) - low) / (high - low));
         },
         bar: (stops) => {
-            const [low, high] = errorRange(stops).map((error) => error.toPrecision(2));
+            const [low, high] = errorRange(stops).map(tickText);
             return {map: kHeat, low, high};
         },
     },

@@ -139,15 +139,14 @@ class Reporter {
         return html;
     }
 
-    // What all methods have in common is said once, below.
+    // What all of them have in common, the reference too, is said once, below.
     std::string methods() const {
         const auto configuration = nlohmann::json::parse(plan_.configuration);
-        const auto parameters_of = [&configuration](const std::string& label) {
-            return parameters_from_json(configuration.at("methods").at(label).at("parameters"));
-        };
-        ParameterMap shared = parameters_of(plan_.methods.front());
+        const nlohmann::json& reference = configuration.at("reference");
+        ParameterMap shared = parameters_from_json(reference.at("parameters"));
         for (const std::string& label : plan_.methods) {
-            const ParameterMap own = parameters_of(label);
+            const ParameterMap own =
+                parameters_from_json(configuration.at("methods").at(label).at("parameters"));
             std::erase_if(shared, [&own](const auto& parameter) {
                 const auto found = own.find(parameter.first);
                 return found == own.end() || found->second != parameter.second;
@@ -170,11 +169,10 @@ class Reporter {
         for (const std::string& label : plan_.methods) {
             add_row(label, configuration.at("methods").at(label));
         }
-        add_row("reference", configuration.at("reference"));
+        add_row("reference", reference);
         html += "</tbody></table></div>\n";
         if (shared.empty()) return html;
-        return html + "<p class=\"hint\">All else is the same in all methods: " +
-               parameters_to_html(shared) + "</p>\n";
+        return html + "<p class=\"hint\">In all of them: " + parameters_to_html(shared) + "</p>\n";
     }
 
     std::string doubts_to_html() const {

@@ -4,7 +4,7 @@
 const kReference = 0;  // the reference's number among the methods
 const kMean = "mean";
 const kMostZoom = 400;              // screen pixels a pixel
-const kReadoutHeight = 120;         // with the caption
+const kReadoutHeight = 150;         // with the caption
 const kMostBitmaps = 64 * 2 ** 20;  // bytes
 
 const step = (from, by, length) => (from + by + length) % length;
@@ -205,13 +205,15 @@ class Viewer {
             return;
         }
         const values = this.valuesAt(image, x, y);
-        const rgb = (numbers) => numbers.map((v) => v.toPrecision(6).padStart(12)).join("");
-        const number = (value) => value.toPrecision(4).padStart(11);
-        let text =
-            `x ${String(x).padStart(4)}  y ${String(y).padStart(4)}   image${rgb(values.image)}`;
+        const line = (place, name, numbers) => place.padEnd(18) + name.padEnd(10) +
+            numbers.map((v) => v.toPrecision(6).padStart(13)).join("");
+        const number = (value) => value.toPrecision(4).padStart(12);
+        const at = `x ${String(x).padStart(4)}  y ${String(y).padStart(4)}`;
+        let text = line(at, "image", values.image);
         if (values.reference) {
-            text += `\nrelSE${number(values.error)}   refer${rgb(values.reference)}`;
-            text += `   difference${number(values.difference)}`;
+            text += `     difference            ${number(values.difference)}\n`;
+            text += line("", "reference", values.reference);
+            text += `     relative squared error${number(values.error)}`;
         }
         this.readout.textContent = text;
     }
