@@ -219,8 +219,7 @@ class Charts {
         const xAxis = x.labels ? axis({type: "category", offset: true}) :
                                  logarithmic(points.map((p) => p.x), [],
                                      {title: {display: true, text: x.title, color: ink}});
-        const yAxis = logarithmic(
-            points.map((p) => p.y), points.flatMap((p) => [p.low, p.high]));
+        const yAxis = logarithmic(points.map((p) => p.y), points.flatMap((p) => [p.low, p.high]));
         const canvas = element("canvas");
         this.grid.append(element(
             "figure", {}, element("figcaption", {text: title}), element("div", {}, canvas)));

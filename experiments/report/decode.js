@@ -19,6 +19,24 @@ function element(tag, properties = {}, ...children) {
     return made;
 }
 
+// What outlives a reload, where the browser lets pages from disk keep anything.
+const kept = {
+    save(key, value) {
+        try {
+            sessionStorage.setItem(`${key} of ${report.experiment}`, JSON.stringify(value));
+        } catch {
+            // It is looked at from the start, then.
+        }
+    },
+    load(key) {
+        try {
+            return JSON.parse(sessionStorage.getItem(`${key} of ${report.experiment}`)) ?? {};
+        } catch {
+            return {};
+        }
+    },
+};
+
 const kHalfToFloat = Float32Array.from({length: 65536}, (_, bits) => {
     const sign = bits & 0x8000 ? -1 : 1;
     const exponent = (bits >> 10) & 31;
@@ -43,6 +61,9 @@ async function textOfBlock(number) {
 }
 
 async function inflate(text) {
+    if (typeof DecompressionStream === "undefined") {
+        throw new Error("this browser is too old: it has no DecompressionStream");
+    }
     const packed = atob(text);
     const bytes = new Uint8Array(packed.length);
     for (let i = 0; i < bytes.length; ++i) bytes[i] = packed.charCodeAt(i);

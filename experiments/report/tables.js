@@ -49,6 +49,7 @@ class ResultTable {
                 if (cell === undefined || column < this.nLabels) return;
                 place.title = tellCell(cell, comparison);
                 if (cell.mean) place.dataset.value = cell.mean.value;
+                place.addEventListener("click", () => showCell(cell));
             });
         }
         this.headers.forEach((header, column) => {
@@ -65,7 +66,7 @@ class ResultTable {
     sortBy(column) {
         const header = this.headers[column];
         const orders = {undefined: "ascending", ascending: "descending", descending: undefined};
-        const order = orders[header.ariaSort ?? undefined];
+        const order = orders[header.getAttribute("aria-sort") ?? undefined];
         for (const other of this.headers) other.removeAttribute("aria-sort");
         const rows = [...this.original];
         if (order !== undefined) {
@@ -101,6 +102,18 @@ class ResultTable {
     }
 }
 
+// Its image, below.
+function showCell(cell) {
+    const scene = report.scenes.findIndex(({name}) => name === cell.scene);
+    viewer.set({
+        scene,
+        method: report.methods.indexOf(cell.method) + 1,
+        budget: report.budgets.indexOf(cell.budget),
+    });
+    charts.set({scene});
+    document.getElementById("images").scrollIntoView();
+}
+
 function makeTables() {
     const tables = [...document.querySelectorAll("#results details")].map(
         (details) => new ResultTable(details, report.metrics[details.dataset.metric]));
@@ -109,6 +122,7 @@ function makeTables() {
     const filter = () =>
         tables.forEach((table) => table.filter(rows.value.trim(), columns.value.trim()));
     for (const input of [rows, columns]) input.addEventListener("input", filter);
+    window.addEventListener("pageshow", filter);  // a reload keeps what fields hold
     if (tables.length > 1) {
         document.getElementById("metric-picks").append("metrics ", ...tables.map((table, i) => {
             const box = element("input", {

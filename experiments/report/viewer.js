@@ -60,16 +60,16 @@ class Viewer {
         return report.images.find((image) => image.scene === this.state.scene)?.block;
     }
 
+    // Where nothing is finished yet, no place is worth keeping.
     get view() {
         const {scene} = this.state;
-        if (!this.views.has(scene)) this.resetView();
-        return this.views.get(scene);
-    }
-
-    resetView() {
         const block = this.anyBlock();
-        const {width, height} = block === undefined ? {width: 1, height: 1} : report.blocks[block];
-        this.views.set(this.state.scene, {x: width / 2, y: height / 2, zoom: 1});
+        if (block === undefined) return {x: 0, y: 0, zoom: 1};
+        if (!this.views.has(scene)) {
+            const {width, height} = report.blocks[block];
+            this.views.set(scene, {x: width / 2, y: height / 2, zoom: 1});
+        }
+        return this.views.get(scene);
     }
 
     // Stops of exposure: the image's are relative to its scene's.
@@ -83,7 +83,9 @@ class Viewer {
         }
         if (change.scene !== undefined && change.scene !== this.state.scene) this.selection = null;
         Object.assign(this.state, change);
-        this.shown = this.show();
+        this.shown = this.show().catch((error) => {
+            this.readout.textContent = error.message;
+        });
         return this.shown;
     }
 
@@ -269,13 +271,11 @@ class Viewer {
     // --- the state over a reload -----------------------------------------------------------------
 
     save() {
-        const kept = {...this.state, views: [...this.views]};
-        sessionStorage.setItem(`viewer ${report.experiment}`, JSON.stringify(kept));
+        kept.save("viewer", {...this.state, views: [...this.views]});
     }
 
     restore() {
-        const {views, ...state} =
-            JSON.parse(sessionStorage.getItem(`viewer ${report.experiment}`) ?? "{}");
+        const {views, ...state} = kept.load("viewer");
         const isThere = state.scene < report.scenes.length && state.method < this.methods.length &&
             state.budget < report.budgets.length && this.seeds.includes(state.seed);
         if (!isThere) return this.set({});

@@ -94,7 +94,7 @@ Object.assign(Viewer.prototype, {
     },
 
     showAll() {
-        this.resetView();
+        this.views.delete(this.state.scene);
         return this.set({});
     },
 

@@ -198,6 +198,10 @@ def look_at_tables(page):
     check(len(page.run(names)) == 2, "a filter leaves the rows of a scene")
     title = page.run("tables[0].body.rows[0].cells[tables[0].nLabels].title")
     check("seeds: 1: " in title and "[" in title, "a cell tells its interval and seeds")
+    page.run("tables[0].body.rows[1].cells[tables[0].nLabels + 2].click()")
+    page.run("viewer.shown")
+    check(page.run("[viewer.state.scene, viewer.state.budget, viewer.state.method]") == [0, 1, 3],
+          "a click on a cell shows its image")
 
 
 def look_at_charts(page):
