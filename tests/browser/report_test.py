@@ -66,13 +66,18 @@ def look_at_pixels(page, store, exact):
           "the mean image is the mean of the seeds")
 
 
+X, Y = 24, 18  # the pixel whose color is looked at
+
+
 def colors(page):
-    """The color under the middle of the picture, as the screen has it."""
-    return page.run("""(() => {
-        const {canvas} = viewer.panes[0];
-        const place = [Math.floor(canvas.width / 2), Math.floor(canvas.height / 2), 1, 1];
-        return [...canvas.getContext('2d').getImageData(...place).data];
-    })()""")
+    """The color of that pixel, as the screen has it."""
+    return page.run(f"""(() => {{
+        const {{canvas, image}} = viewer.panes[0];
+        const scale = viewer.panes[0].scale(image, viewer.view);
+        const x = canvas.width / 2 + ({X} + 0.5 - viewer.view.x) * scale;
+        const y = canvas.height / 2 + ({Y} + 0.5 - viewer.view.y) * scale;
+        return [...canvas.getContext('2d').getImageData(x, y, 1, 1).data].slice(0, 3);
+    }})()""")
 
 
 def picture(page):
@@ -119,13 +124,21 @@ def look_at_modes(page):
         press(page, key)
         shown[key] = picture(page)
     check(len(set(shown.values())) == 3, "difference and false colours are not the image")
-    error = page.run("viewer.pixel(1, 24, 18)")
-    own = sum((a - b) ** 2 / (b * b + 0.01) for a, b in zip(error["image"], error["reference"])) / 3
-    check(math.isclose(error["error"], own, rel_tol=1e-9), "the error is that of its pixels")
-    press(page, "0")
-    check(colors(page)[:3] == [0, 0, 4], "the reference has no error")
+    found = page.run(f"viewer.pixel(1, {X}, {Y})")
+    pairs = list(zip(found["image"], found["reference"]))
+    error = sum((a - b) ** 2 / (b * b + 0.01) for a, b in pairs) / 3
+    check(math.isclose(found["error"], error, rel_tol=1e-9), "the error is that of its pixels")
+    heat = (math.log10(error) + 4) / 5  # from 1e-4 to 10
+    check(colors(page) == page.run(f"colorAt(kHeat, {heat})"), "and so is its false color")
     press(page, "d")
-    check(colors(page)[:3] == [247, 247, 247], "nor a difference")
+    difference = sum(a - b for a, b in pairs) / 3
+    red, _, blue = colors(page)
+    check((red > blue) == (difference > 0), "red is more than the reference, blue is less")
+    press(page, "r")
+    press(page, "0")
+    check(colors(page) == [0, 0, 4], "the reference has no error")
+    press(page, "d")
+    check(colors(page) == [247, 247, 247], "nor a difference")
     press(page, "i")
     press(page, "1")
     before = colors(page)
