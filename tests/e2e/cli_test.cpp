@@ -437,8 +437,8 @@ TEST_F(CliTest, ReportIsOneFileThatNeedsNothingElse) {
 }
 
 TEST_F(CliTest, AWatchedReportEndsWithItsExperiment) {
-    const Outcome outcome = misbench({"report", file("store"), "-o", file("watched.html"),
-                                      "--watch", "--interval", "0.1"});
+    const Outcome outcome = misbench(
+        {"report", file("store"), "-o", file("watched.html"), "--watch", "--interval", "0.1"});
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_THAT(outcome.err, HasSubstr("36 of 36 tasks done"));
     ASSERT_EQ(misbench({"report", file("store"), "-o", file("once.html")}).exit_code, 0);
