@@ -4,6 +4,7 @@ misbench_test(resolve_test unit misbench_experiments)
 target_compile_definitions(resolve_test PRIVATE
   MISBENCH_EXPERIMENTS="${CMAKE_SOURCE_DIR}/experiments")
 misbench_test(claims_formats_test unit misbench_report)
+misbench_test(report_test unit misbench_report ZLIB::ZLIB)
 misbench_test(table_test unit misbench_report)
 misbench_test(progress_test unit misbench_cli)
 misbench_test(path_story_test unit misbench_cli)

@@ -78,6 +78,19 @@ void add_report(CLI::App& app, Chosen& chosen) {
     verb.add_option("store", options->store, "results store")->required();
     verb.add_option("--experiment", options->experiment, "its name; default: the latest");
     verb.add_option("-o,--output", options->output, "default: STORE/report.html");
+    verb.add_option("--seeds", options->seeds,
+                    "images beside the means over seeds: none, of the first seed, of all")
+        ->check(CLI::IsMember({"none", "first", "all"}))
+        ->capture_default_str();
+    verb.add_flag("--full-precision", options->full_precision,
+                  "keep pixels as floats, not as half floats: twice as large");
+    CLI::Option* watch = verb.add_flag("--watch", options->watch,
+                                       "write it again whenever the store changes, until all runs "
+                                       "are done; the page loads itself again meanwhile");
+    verb.add_option("--interval", options->interval_seconds, "seconds between two looks")
+        ->check(CLI::Range(0.1, 3600.0))
+        ->capture_default_str()
+        ->needs(watch);
 }
 
 void add_compare(CLI::App& app, Chosen& chosen) {

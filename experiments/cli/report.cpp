@@ -1,22 +1,94 @@
 // misbench report: the experiment as one HTML file.
 #include "experiments/report/report.h"
 
+#include <fmt/format.h>
+
+#include <chrono>
 #include <filesystem>
+#include <optional>
+#include <set>
+#include <thread>
 
 #include "experiments/cli/output.h"
 #include "experiments/cli/verbs.h"
 #include "renderer/base/files.h"
 
 namespace misbench {
+namespace {
 
-int report_verb(const ReportOptions& options) {
-    const Store store(options.store, Store::Access::ReadOnly);
-    const Plan plan = store.experiment(options.experiment);
+// What a report of the plan depends on, as far as it grows while the plan is run.
+struct Progress {
+    Plan plan;
+    std::size_t n_tasks = 0;
+    std::size_t n_done = 0;
+    std::size_t n_failed = 0;
+    std::size_t n_measurements = 0;
+
+    bool is_finished() const { return n_done + n_failed == n_tasks; }
+    bool operator==(const Progress&) const = default;
+};
+
+Progress progress_of(const Store& store, const std::string& experiment) {
+    Progress progress{.plan = store.experiment(experiment)};
+    std::set<std::string> ids;
+    for (const Cell& cell : progress.plan.cells) ids.insert(task_id(cell.task));
+    progress.n_tasks = ids.size();
+    for (const std::string& id : ids) {
+        const std::optional<TaskRow> row = store.task(id);
+        if (store.has_run(id)) {
+            ++progress.n_done;
+        } else if (row && row->state == TaskState::Failed) {
+            ++progress.n_failed;
+        }
+    }
+    progress.n_measurements = store.measurements(progress.plan).size();
+    return progress;
+}
+
+// `note` ends what is said of it.
+void write_report(const Store& store, const Plan& plan, const ReportOptions& options,
+                  std::optional<double> reload_seconds, const std::string& note = "") {
     const std::filesystem::path output = options.output.empty()
                                              ? store.folder() / "report.html"
                                              : std::filesystem::path(options.output);
-    write_file_durably(output, make_report(store, plan));
-    print_note("wrote " + output.string());
+    const Report report =
+        make_report(store, plan,
+                    {.seeds = seed_images_from_string(options.seeds),
+                     .precision = options.full_precision ? Precision::Float : Precision::Half,
+                     .reload_seconds = reload_seconds});
+    write_file_durably(output, report.html);
+    print_note(fmt::format("wrote {}: {:.1f} MB, {} image{}{}", output.string(),
+                           static_cast<double>(report.html.size()) / 1e6, report.n_images,
+                           report.n_images == 1 ? "" : "s", note));
+}
+
+// Opens the store for each look: it may be rebuilt meanwhile. Whoever runs the experiment measures
+// its runs after the last one, so that being finished has to hold for two looks in turn.
+int watch(const ReportOptions& options) {
+    std::optional<Progress> last;
+    while (true) {
+        const Store store(options.store, Store::Access::ReadOnly);
+        Progress progress = progress_of(store, options.experiment);
+        const bool is_same = progress == last;
+        if (is_same && progress.is_finished()) {
+            write_report(store, progress.plan, options, std::nullopt);
+            return 0;
+        }
+        if (!is_same) {
+            write_report(store, progress.plan, options, options.interval_seconds,
+                         fmt::format("; {} of {} tasks done", progress.n_done, progress.n_tasks));
+        }
+        last = std::move(progress);
+        std::this_thread::sleep_for(std::chrono::duration<double>(options.interval_seconds));
+    }
+}
+
+}  // namespace
+
+int report_verb(const ReportOptions& options) {
+    if (options.watch) return watch(options);
+    const Store store(options.store, Store::Access::ReadOnly);
+    write_report(store, store.experiment(options.experiment), options, std::nullopt);
     return 0;
 }
 

@@ -150,7 +150,11 @@ int selftest_verb(const SelfTestOptions& options);
 struct ReportOptions {
     std::string store;
     std::string experiment;
-    std::string output;  // "" for STORE/report.html
+    std::string output;           // "" for STORE/report.html
+    std::string seeds = "first";  // none, first, all
+    bool full_precision = false;
+    bool watch = false;
+    double interval_seconds = 5;  // of watching
 };
 int report_verb(const ReportOptions& options);
 

@@ -18,7 +18,15 @@ std::vector<std::string> provenance_lines(const Store& store, const std::string&
                         from.cpu_model, from.isa, from.host, threads, threads == 1 ? "" : "s",
                         from.build_id, from.compiler, n_runs));
     }
-    if (origins.size() > 1) {
+    for (std::string& warning : provenance_warnings(store, experiment)) {
+        lines.push_back(std::move(warning));
+    }
+    return lines;
+}
+
+std::vector<std::string> provenance_warnings(const Store& store, const std::string& experiment) {
+    std::vector<std::string> lines;
+    if (store.origins(experiment).size() > 1) {
         lines.emplace_back(
             "runs of several machines, thread counts or builds: compare their times "
             "with care");

@@ -8,8 +8,10 @@
 
 namespace misbench {
 
-// One line for each, a warning when there are several, and which scenes have a single image as both
-// halves of the reference.
+// That there are several, and which scenes have a single image as both halves of the reference.
+std::vector<std::string> provenance_warnings(const Store& store, const std::string& experiment);
+
+// One line for each, then the warnings.
 std::vector<std::string> provenance_lines(const Store& store, const std::string& experiment);
 
 }  // namespace misbench

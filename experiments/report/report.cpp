@@ -2,20 +2,23 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "experiments/analysis/comparison.h"
 #include "experiments/report/claims_formats.h"
-#include "experiments/report/numbers.h"
+#include "experiments/report/doubts.h"
 #include "experiments/report/page.h"
 #include "experiments/report/provenance.h"
+#include "experiments/report/report_data.h"
 #include "experiments/report/table_formats.h"
 #include "renderer/base/error.h"
 
 namespace misbench {
 namespace {
+
+// Where in the page the images come.
+constexpr std::string_view kBlocksPlace = "{{blocks}}";
 
 // The page with its {{placeholders}} replaced, in one pass: what is put in is not looked at again.
 std::string fill(std::string_view page, const std::map<std::string, std::string>& values) {
@@ -31,255 +34,193 @@ std::string fill(std::string_view page, const std::map<std::string, std::string>
     return filled;
 }
 
-std::string base64(std::string_view bytes) {
-    constexpr std::string_view kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve(4 * ((bytes.size() + 2) / 3));
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t group = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            group <<= 8U;
-            if (i + k < bytes.size()) group |= static_cast<unsigned char>(bytes[i + k]);
-        }
-        for (std::size_t k = 0; k < 4; ++k) {
-            const bool is_padding = i + k > bytes.size();
-            text += is_padding ? '=' : kDigits[(group >> (18U - 6U * k)) & 63U];
-        }
-    }
-    return text;
+std::string list_to_html(const std::vector<std::string>& lines) {
+    std::string html = "<ul>\n";
+    for (const std::string& line : lines) html += "<li>" + escape_html(line) + "</li>\n";
+    return html + "</ul>\n";
 }
 
-Image mean_of(const Image& a, const Image& b) {
-    Image mean = a;
-    for (std::size_t i = 0; i < mean.rgb.size(); ++i) mean.rgb[i] = (a.rgb[i] + b.rgb[i]) / 2;
-    return mean;
-}
-
-// An image of the viewer, or the place where one is missing. `budget` is "" for the reference.
-struct View {
-    std::string method;
-    std::string budget;
-    std::string caption;
-    std::optional<Image> image;
-};
-
-// Small images are shown magnified by a whole number.
-constexpr int kShownWidth = 720;
-
-std::string view_to_html(const View& view, double exposure, const Task& task) {
-    const int magnification = std::max(1, (kShownWidth + task.width / 2) / task.width);
-    const int width = magnification * task.width;
-    const int height = magnification * task.height;
-    const std::string content =
-        view.image ? fmt::format(R"(<img alt="{}" width="{}" height="{}" src="data:image/png;)"
-                                 R"(base64,{}">)",
-                                 escape_html(view.method), width, height,
-                                 base64(encode_png(*view.image, exposure)))
-                   : fmt::format(R"(<div class="missing" style="width: {}px; height: {}px">)"
-                                 "no finished run</div>",
-                                 width, height);
-    return fmt::format(
-        "<figure data-method=\"{}\" data-budget=\"{}\">{}\n<figcaption>{}"
-        "</figcaption></figure>\n",
-        escape_html(view.method), escape_html(view.budget), content, escape_html(view.caption));
-}
-
-std::string buttons(const std::string& attribute, const std::vector<std::string>& names,
-                    bool has_keys) {
-    std::string html = "<nav>";
+// Links that pick a scene or a method in the viewer.
+std::string links_to_html(const std::string& what, const std::vector<std::string>& names) {
+    std::string html;
     for (std::size_t i = 0; i < names.size(); ++i) {
-        html += fmt::format("<button type=\"button\" data-{}=\"{}\">", attribute,
+        html += fmt::format("<li><a href=\"#images\" data-{}=\"{}\">{}</a></li>\n", what, i,
                             escape_html(names[i]));
-        if (has_keys && i < 10) html += fmt::format("<kbd>{}</kbd> ", i);
-        html += escape_html(names[i]) + "</button>";
     }
-    return html + "</nav>\n";
+    return html;
+}
+
+std::string parameters_to_html(const ParameterMap& parameters) {
+    std::string html;
+    for (const auto& [name, value] : parameters) {
+        html +=
+            fmt::format("<code>{}={}</code> ", escape_html(name), escape_html(to_string(value)));
+    }
+    return html;
 }
 
 class Reporter {
  public:
     Reporter(const Store& store, const Plan& plan)
-        : store_(store), plan_(plan), comparison_(compare(store, plan)) {}
+        : store_(store),
+          plan_(plan),
+          comparison_(compare(store, plan)),
+          origins_(store.origins(plan.experiment)) {}
 
-    std::string report() const {
-        const std::vector<std::string> from = provenance_lines(store_, plan_.experiment);
-        return fill(kReport_html,
-                    {{"name", escape_html(plan_.experiment)},
-                     {"style", kReport_css},
-                     {"script", kReport_js},
-                     {"description", escape_html(plan_.description)},
-                     {"extent", escape_html(extent())},
-                     {"claims", claims()},
-                     {"tables", tables(from)},
-                     {"scenes", scenes()},
-                     {"methods", methods()},
-                     {"provenance", provenance(from)},
-                     {"configuration",
-                      escape_html(nlohmann::ordered_json::parse(plan_.configuration).dump(2))}});
+    Report report(const ReportContents& contents) const {
+        ReportImages images =
+            collect_images(store_, plan_, comparison_, contents.seeds, contents.precision);
+        nlohmann::ordered_json data = report_data(store_, plan_);
+        data["images"] = std::move(images.images);
+        data["blocks"] = std::move(images.blocks);
+        data["reload_seconds"] = contents.reload_seconds
+                                     ? nlohmann::ordered_json(*contents.reload_seconds)
+                                     : nlohmann::ordered_json();
+        const std::size_t n_images = data["images"].size();
+        // The pixels are by far the most of it: they are never copied.
+        const std::string_view page = kPage;
+        const std::size_t at = page.find(kBlocksPlace);
+        std::string html = std::move(images.html);
+        html += page.substr(at + kBlocksPlace.size());
+        html.insert(0, fill(page.substr(0, at), values(data, n_images, contents)));
+        return {.html = std::move(html), .n_images = n_images};
     }
 
  private:
-    std::string extent() const {
+    std::map<std::string, std::string> values(const nlohmann::ordered_json& data,
+                                              std::size_t n_images,
+                                              const ReportContents& contents) const {
+        std::vector<std::string> scenes;
+        for (const PlannedScene& scene : plan_.scenes) scenes.push_back(scene.name);
+        return {{"name", escape_html(plan_.experiment)},
+                {"style", kPageStyle},
+                {"script", kPageScript},
+                {"charts", kChartLibrary},
+                {"description", escape_html(plan_.description)},
+                {"extent", escape_html(extent(n_images, contents))},
+                {"scene-links", links_to_html("scene", scenes)},
+                {"method-links", links_to_html("method", plan_.methods)},
+                {"claims", claims()},
+                {"tables", tables()},
+                {"methods", methods()},
+                {"doubts", doubts_to_html()},
+                {"provenance", provenance()},
+                {"configuration", configuration()},
+                {"data", embedded_json(data)}};
+    }
+
+    std::string extent(std::size_t n_images, const ReportContents& contents) const {
         std::string budgets;
         for (const Budget& budget : plan_.budgets) {
             budgets += (budgets.empty() ? "" : ", ") + to_string(budget);
         }
-        return fmt::format("{} scenes, {} methods; {}; {} cells", plan_.scenes.size(),
-                           plan_.methods.size(), budgets, plan_.cells.size());
+        return fmt::format("{} scenes, {} methods; {}; {} cells; {} images in {} precision",
+                           plan_.scenes.size(), plan_.methods.size(), budgets, plan_.cells.size(),
+                           n_images, to_string(contents.precision));
     }
 
     std::string claims() const {
         if (plan_.claims.empty()) return "";
-        return "<section>\n<h2>Claims</h2>\n<div class=\"scroll\">" +
+        return "<section id=\"claims\">\n<h2>Claims</h2>\n<div class=\"scroll\">" +
                claims_to_html({plan_.experiment, judge_claims(store_, plan_)}) +
                "</div>\n</section>\n";
     }
 
     // The first metric's table is open, those of further metrics are folded.
-    std::string tables(const std::vector<std::string>& provenance) const {
+    std::string tables() const {
         std::string html;
-        for (const std::string& metric : plan_.metrics) {
-            const Table table = make_table(compare(store_, plan_, metric), {}, provenance);
+        for (std::size_t i = 0; i < plan_.metrics.size(); ++i) {
+            const Table table = make_table(compare(store_, plan_, plan_.metrics[i]), {}, {});
             html += fmt::format(
-                "<details{}><summary>{}</summary>\n<div class=\"scroll\">{}</div>"
-                "</details>\n",
-                html.empty() ? " open" : "", escape_html(table.title), to_html(table));
+                "<details data-metric=\"{}\"{}><summary>{}</summary>\n<div class=\"scroll\">{}"
+                "</div></details>\n",
+                i, i == 0 ? " open" : "", escape_html(table.title), to_html(table));
         }
         return html;
     }
 
-    const Cell* find_cell(const std::string& scene, Role role) const {
-        for (const Cell& cell : plan_.cells) {
-            if (cell.scene == scene && cell.role == role) return &cell;
-        }
-        return nullptr;
-    }
-
-    View reference_view(const std::string& scene) const {
-        View view{.method = "reference", .budget = "", .caption = "reference", .image = {}};
-        const Cell* a = find_cell(scene, Role::ReferenceA);
-        const Cell* b = find_cell(scene, Role::ReferenceB);
-        if (a == nullptr || b == nullptr) return view;
-        view.caption += fmt::format(": {}, 2 × {}", a->task.method, to_string(a->budget));
-        const std::string id_a = task_id(a->task);
-        const std::string id_b = task_id(b->task);
-        if (store_.has_run(id_a) && store_.has_run(id_b)) {
-            view.image = mean_of(store_.run_image(id_a), store_.run_image(id_b));
-        }
-        return view;
-    }
-
-    // The first seed of the plan that is finished.
-    View method_view(const std::string& scene, const std::string& method,
-                     const Budget& budget) const {
-        View view{.method = method,
-                  .budget = to_string(budget),
-                  .caption = method + ", " + to_string(budget),
-                  .image = {}};
-        for (const Cell& cell : plan_.cells) {
-            const bool is_here = cell.role == Role::Test && cell.scene == scene &&
-                                 cell.method == method && cell.budget == budget;
-            if (!is_here) continue;
-            const std::optional<Record> record = store_.run(task_id(cell.task));
-            if (!record) continue;
-            const RenderStatistics& run = record->statistics;
-            view.caption += fmt::format(", seed {}: {} spp in {:.3g} s cpu, {:.3g} s wall",
-                                        cell.seed, run.passes, run.cpu_seconds, run.wall_seconds);
-            if (has_few_passes(budget, run.passes)) view.caption += ", FEW PASSES";
-            if (!record->valid) view.caption += "; INVALID run";
-            view.image = store_.run_image(record->run);
-            break;
-        }
-        if (const ComparedCell* cell = comparison_.find(scene, method, budget)) {
-            if (cell->mean) {
-                view.caption +=
-                    fmt::format("; {} {}", comparison_.metric, format_mean(*cell->mean));
-            }
-            if (cell->ratio) view.caption += ", " + format_ratio(*cell->ratio);
-        }
-        return view;
-    }
-
-    std::string scene_to_html(const PlannedScene& scene) const {
-        const Cell* any = find_cell(scene.name, Role::Test);
-        if (any == nullptr) return "";
-        std::vector<std::string> names{"reference"};
-        names.insert(names.end(), plan_.methods.begin(), plan_.methods.end());
-        std::string html = fmt::format("<h3>{}</h3>\n", escape_html(scene.name));
-        html += buttons("method", names, true);
-        if (plan_.budgets.size() > 1) {
-            std::vector<std::string> budgets;
-            for (const Budget& budget : plan_.budgets) budgets.push_back(to_string(budget));
-            html += buttons("budget", budgets, false);
-        }
-        std::vector<View> views{reference_view(scene.name)};
-        for (const Budget& budget : plan_.budgets) {
-            for (const std::string& method : plan_.methods) {
-                views.push_back(method_view(scene.name, method, budget));
-            }
-        }
-        for (View& view : views) {
-            view.caption += fmt::format("; exposure {:+g} stops", scene.exposure);
-            html += view_to_html(view, scene.exposure, any->task);
-        }
-        return html;
-    }
-
-    std::string scenes() const {
-        std::string html;
-        for (const PlannedScene& scene : plan_.scenes) html += scene_to_html(scene);
-        return html;
-    }
-
+    // What all of them have in common, the reference too, is said once, below.
     std::string methods() const {
         const auto configuration = nlohmann::json::parse(plan_.configuration);
+        const nlohmann::json& reference = configuration.at("reference");
+        ParameterMap shared = parameters_from_json(reference.at("parameters"));
+        for (const std::string& label : plan_.methods) {
+            const ParameterMap own =
+                parameters_from_json(configuration.at("methods").at(label).at("parameters"));
+            std::erase_if(shared, [&own](const auto& parameter) {
+                const auto found = own.find(parameter.first);
+                return found == own.end() || found->second != parameter.second;
+            });
+        }
         std::string html =
             "<div class=\"scroll\"><table>\n<thead><tr><th>label</th><th>method</th>"
             "<th>parameters</th></tr></thead>\n<tbody>\n";
-        const auto add_row = [&html](const std::string& label, const nlohmann::json& method) {
-            std::string parameters;
-            for (const auto& [name, value] : parameters_from_json(method.at("parameters"))) {
-                parameters += fmt::format("<code>{}={}</code> ", escape_html(name),
-                                          escape_html(to_string(value)));
-            }
+        const auto add_row = [&](const std::string& label, const nlohmann::json& method) {
+            ParameterMap own = parameters_from_json(method.at("parameters"));
+            std::erase_if(own, [&shared](const auto& parameter) {
+                const auto found = shared.find(parameter.first);
+                return found != shared.end() && found->second == parameter.second;
+            });
             html +=
                 fmt::format("<tr><th>{}</th><td>{} v{}</td><td>{}</td></tr>\n", escape_html(label),
                             escape_html(method.at("method").get<std::string>()),
-                            method.at("version").get<int>(), parameters);
+                            method.at("version").get<int>(), parameters_to_html(own));
         };
         for (const std::string& label : plan_.methods) {
             add_row(label, configuration.at("methods").at(label));
         }
-        add_row("reference", configuration.at("reference"));
-        return html + "</tbody></table></div>\n";
+        add_row("reference", reference);
+        html += "</tbody></table></div>\n";
+        if (shared.empty()) return html;
+        return html + "<p class=\"hint\">In all of them: " + parameters_to_html(shared) + "</p>\n";
     }
 
-    std::string provenance(const std::vector<std::string>& from) const {
-        std::string html = "<ul>\n";
-        for (const std::string& line : from) {
-            html += "<li>" + escape_html(line) + "</li>\n";
+    std::string doubts_to_html() const {
+        std::string html;
+        for (const auto& [kind, cases] : doubts(store_, plan_, comparison_)) {
+            html += fmt::format("<details><summary>{}: {}</summary>\n{}</details>\n",
+                                escape_html(kind), cases.size(), list_to_html(cases));
         }
-        for (const Cell& cell : plan_.cells) {
-            const std::optional<TaskRow> row = store_.task(task_id(cell.task));
-            if (!row || row->state != TaskState::Failed) continue;
-            html += fmt::format("<li class=\"status\">failed: {}, {}, {}, seed {}: {}</li>\n",
-                                escape_html(cell.scene), escape_html(cell.method),
-                                to_string(cell.budget), cell.seed, escape_html(row->error));
+        return html.empty() ? "<p>Nothing to warn of.</p>\n" : html;
+    }
+
+    std::string provenance() const {
+        std::string html =
+            "<div class=\"scroll\"><table>\n<thead><tr><th>machine</th><th>threads</th>"
+            "<th>build</th><th>compiler</th><th>flags</th><th>runs</th></tr></thead>\n<tbody>\n";
+        for (const auto& [from, threads, n_runs] : origins_) {
+            html += fmt::format(
+                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td><code>{}</code></td>"
+                "<td>{}</td></tr>\n",
+                from.cpu_model.empty()
+                    ? "imported"
+                    : escape_html(fmt::format("{} ({}, {})", from.cpu_model, from.isa, from.host)),
+                threads, escape_html(from.build_id), escape_html(from.compiler),
+                escape_html(from.flags), n_runs);
         }
-        return html + "</ul>\n";
+        html += "</tbody></table></div>\n";
+        std::vector<std::string> lines = disturbance_lines(store_, plan_);
+        for (std::string& line : provenance_warnings(store_, plan_.experiment)) {
+            lines.push_back(std::move(line));
+        }
+        return html + list_to_html(lines);
+    }
+
+    std::string configuration() const {
+        return escape_html(nlohmann::ordered_json::parse(plan_.configuration).dump(2));
     }
 
     const Store& store_;
     const Plan& plan_;
     Comparison comparison_;
+    std::vector<Origin> origins_;
 };
 
 }  // namespace
 
-std::string make_report(const Store& store, const Plan& plan) {
+Report make_report(const Store& store, const Plan& plan, const ReportContents& contents) {
     try {
-        return Reporter(store, plan).report();
+        return Reporter(store, plan).report(contents);
     } catch (const nlohmann::json::exception& e) {
         throw Error(Errc::DataLoss,
                     "read the configuration of experiment '" + plan.experiment + "': " + e.what());

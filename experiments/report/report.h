@@ -1,16 +1,29 @@
 // The report: one HTML file that needs nothing else, neither network nor a file beside it.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "experiments/plan/experiment.h"
+#include "experiments/report/report_images.h"
 #include "results/store.h"
 
 namespace misbench {
 
-// The claims and what was found of them; a table for each metric; for each scene the reference and
-// one image per method and budget, all at the scene's exposure; where the numbers come from. The
-// same store gives the same bytes.
-std::string make_report(const Store& store, const Plan& plan);
+struct ReportContents {
+    SeedImages seeds = SeedImages::First;
+    Precision precision = Precision::Half;
+    // The page loads itself again after so many seconds, in the state in which it is looked at.
+    std::optional<double> reload_seconds = {};
+};
+
+struct Report {
+    std::string html;
+    std::size_t n_images = 0;
+};
+
+// The claims and what was found of them; a table and charts for each metric; a viewer of the
+// images; where the numbers come from, and what to doubt. The same store gives the same bytes.
+Report make_report(const Store& store, const Plan& plan, const ReportContents& contents = {});
 
 }  // namespace misbench

@@ -1,0 +1,169 @@
+#include "experiments/report/doubts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "experiments/report/table.h"
+
+namespace misbench {
+namespace {
+
+std::string place_of(const std::string& scene, const std::string& method, const Budget& budget) {
+    return fmt::format("{}, {}, {}", scene, method, to_string(budget));
+}
+
+class Doubter {
+ public:
+    Doubter(const Store& store, const Plan& plan, const Comparison& comparison)
+        : store_(store), plan_(plan), comparison_(comparison) {}
+
+    std::vector<Doubt> all() const {
+        std::vector<Doubt> found{
+            {"tasks that failed", failed()},
+            {"invalid runs, left out of all numbers", invalid()},
+            {"cells without all of their seeds", incomplete()},
+            {few_passes_footnote(), cells_with(&ComparedCell::few_passes)},
+            {heavy_tail_footnote(), heavy_tails()},
+            {"references of fewer samples than a run they judge", small_references()},
+            {fmt::format("runs of which a hypervisor stole more than {:.0f} %", 100 * kMuchSteal),
+             stolen()}};
+        std::erase_if(found, [](const Doubt& doubt) { return doubt.cases.empty(); });
+        return found;
+    }
+
+ private:
+    std::vector<std::string> failed() const {
+        std::vector<std::string> cases;
+        for (const Cell& cell : plan_.cells) {
+            const std::optional<TaskRow> row = store_.task(task_id(cell.task));
+            if (!row || row->state != TaskState::Failed) continue;
+            cases.push_back(fmt::format("{}, seed {}: {}",
+                                        place_of(cell.scene, cell.method, cell.budget), cell.seed,
+                                        row->error));
+        }
+        return cases;
+    }
+
+    std::vector<std::string> invalid() const {
+        std::vector<std::string> cases;
+        for (const Cell& cell : plan_.cells) {
+            const std::optional<Record> record = store_.run(task_id(cell.task));
+            if (!record || record->valid) continue;
+            cases.push_back(fmt::format(
+                "{}, seed {}, run {}: {} non-finite and {} negative samples",
+                place_of(cell.scene, cell.method, cell.budget), cell.seed, record->run,
+                record->statistics.nonfinite_samples, record->statistics.negative_samples));
+        }
+        return cases;
+    }
+
+    std::vector<std::string> incomplete() const {
+        std::vector<std::string> cases;
+        for (const ComparedCell& cell : comparison_.cells) {
+            if (cell.is_complete()) continue;
+            cases.push_back(place_of(cell.scene, cell.method, cell.budget) + ": " +
+                            status_of(cell));
+        }
+        return cases;
+    }
+
+    std::vector<std::string> cells_with(bool ComparedCell::*flag) const {
+        std::vector<std::string> cases;
+        for (const ComparedCell& cell : comparison_.cells) {
+            if (cell.*flag) cases.push_back(place_of(cell.scene, cell.method, cell.budget));
+        }
+        return cases;
+    }
+
+    std::vector<std::string> heavy_tails() const {
+        std::vector<std::string> cases;
+        for (const ComparedCell& cell : comparison_.cells) {
+            if (!cell.has_heavy_tail()) continue;
+            cases.push_back(fmt::format("{}: {:.3g} times the median",
+                                        place_of(cell.scene, cell.method, cell.budget),
+                                        *cell.tail));
+        }
+        return cases;
+    }
+
+    std::vector<std::string> small_references() const {
+        const std::map<std::string, RunSummary> runs = store_.run_summaries();
+        std::map<std::string, std::int64_t> of_reference;
+        std::map<std::string, std::int64_t> of_tests;
+        for (const Cell& cell : plan_.cells) {
+            const auto run = runs.find(task_id(cell.task));
+            if (run == runs.end()) continue;
+            const std::int64_t passes = run->second.passes;
+            if (cell.role != Role::Test) {
+                of_reference[cell.scene] += passes;
+            } else {
+                of_tests[cell.scene] = std::max(of_tests[cell.scene], passes);
+            }
+        }
+        std::vector<std::string> cases;
+        for (const auto& [scene, passes] : of_reference) {
+            if (passes >= of_tests[scene]) continue;
+            cases.push_back(
+                fmt::format("{}: {} spp, and a run has {}", scene, passes, of_tests[scene]));
+        }
+        return cases;
+    }
+
+    std::vector<std::string> stolen() const {
+        std::vector<std::string> cases;
+        for (const Cell& cell : plan_.cells) {
+            if (cell.role != Role::Test) continue;
+            const std::optional<Record> record = store_.run(task_id(cell.task));
+            if (!record) continue;
+            const RenderStatistics& run = record->statistics;
+            if (run.steal_seconds <= kMuchSteal * run.cpu_seconds) continue;
+            cases.push_back(fmt::format("{}, seed {}: {:.3g} s of {:.3g} s",
+                                        place_of(cell.scene, cell.method, cell.budget), cell.seed,
+                                        run.steal_seconds, run.cpu_seconds));
+        }
+        return cases;
+    }
+
+    const Store& store_;
+    const Plan& plan_;
+    const Comparison& comparison_;
+};
+
+}  // namespace
+
+std::vector<Doubt> doubts(const Store& store, const Plan& plan, const Comparison& comparison) {
+    return Doubter(store, plan, comparison).all();
+}
+
+std::vector<std::string> disturbance_lines(const Store& store, const Plan& plan) {
+    std::set<std::string> seen;
+    double cpu_seconds = 0;
+    double steal_seconds = 0;
+    std::int64_t switches = 0;
+    double most_switches = 0;  // a CPU second
+    for (const Cell& cell : plan.cells) {
+        const std::string id = task_id(cell.task);
+        if (cell.role != Role::Test || !seen.insert(id).second) continue;
+        const std::optional<Record> record = store.run(id);
+        if (!record || record->statistics.cpu_seconds <= 0) continue;
+        const RenderStatistics& run = record->statistics;
+        cpu_seconds += run.cpu_seconds;
+        steal_seconds += run.steal_seconds;
+        switches += run.involuntary_context_switches;
+        most_switches = std::max(
+            most_switches, static_cast<double>(run.involuntary_context_switches) / run.cpu_seconds);
+    }
+    if (cpu_seconds <= 0) return {};
+    return {fmt::format("{} involuntary context switches in {:.4g} CPU seconds, {:.3g} a second; "
+                        "{:.3g} in the run with most",
+                        switches, cpu_seconds, static_cast<double>(switches) / cpu_seconds,
+                        most_switches),
+            fmt::format("{:.3g} s stolen by a hypervisor while they ran, of the whole machine",
+                        steal_seconds)};
+}
+
+}  // namespace misbench
