@@ -133,6 +133,10 @@ Image Store::run_image(const std::string& id) const {
     return read_exr(run_folder(id) / kImageFile);
 }
 
+Image Store::snapshot_image(const std::string& id, std::int64_t samples) const {
+    return read_exr(run_folder(id) / snapshot_file(samples));
+}
+
 fs::path Store::run_folder(const std::string& id) const { return folder_ / "runs" / id; }
 
 std::map<std::string, RunSummary> Store::run_summaries() const {

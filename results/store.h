@@ -4,6 +4,7 @@
 //   STORE/results.sqlite         index, job table, measurements
 //   STORE/experiments/NAME.json  the plan of each experiment
 //   STORE/runs/ID/image.exr      float RGB, the mean over the passes
+//   STORE/runs/ID/snapshot-N.exr the same after the first N passes, where the run keeps some
 //   STORE/runs/ID/record.json    results/record.h
 //   STORE/incoming/              uploads in progress; emptied when a writer opens the store
 //   STORE/damaged/               what was found damaged is set aside here, nothing is deleted
@@ -108,15 +109,16 @@ class Store {
     void save_task_state(const TaskRow& row);
 
     // --- runs ----------------------------------------------------------------------------------
-    // A fresh folder in incoming/ to put image.exr and record.json into.
+    // A fresh folder in incoming/ to put record.json and its images into.
     std::filesystem::path stage(const std::string& task, std::int64_t epoch) const;
     // Publishes a staged folder as the run's directory, then the run's row and its task's Done.
     // The folder is removed when the run is already there. Throws DataLoss, with the folder left
-    // as it is, when the record is damaged or the image is not the one that it names.
+    // as it is, when the record is damaged or an image is not the one that it names.
     Recorded commit_run(const std::filesystem::path& staged);
     bool has_run(const std::string& id) const;
     std::optional<Record> run(const std::string& id) const;
     Image run_image(const std::string& id) const;
+    Image snapshot_image(const std::string& id, std::int64_t samples) const;
     std::filesystem::path run_folder(const std::string& id) const;
     std::map<std::string, RunSummary> run_summaries() const;  // by id
     // CPU seconds (of all threads) per pixel and pass, over all runs seen so far of this scene

@@ -13,6 +13,9 @@
 //   seeds          a count N (seeds 1 … N) or a list                (required)
 //   budgets        list of {samples: N} or                          (required)
 //                  {seconds: S, clock: cpu|wall}                    clock: cpu
+//   snapshots      F, or {factor: F, first: N}: keep each tested    none; first: 1
+//                  image after N passes too, and each time after F
+//                  times as many
 //   image          {width, height} in pixels                        640 × 480
 //   reference      {method: LABEL or NAME, samples: N,              (required)
 //                  seeds: [A, B], PARAMETER: value, …}: two          seeds: 1000001, 1000002
@@ -64,6 +67,7 @@
 #include "experiments/plan/profile.h"
 #include "experiments/plan/yaml_reader.h"
 #include "renderer/base/parameters.h"
+#include "renderer/base/snapshots.h"
 
 namespace misbench {
 
@@ -120,6 +124,7 @@ struct ExperimentYaml {
     std::vector<MethodEntry> methods;
     std::vector<Placed<std::int64_t>> seeds;
     std::vector<Placed<Budget>> budgets;
+    std::optional<SnapshotLadder> snapshots;
     ReferenceEntry reference;
     std::vector<Rule> include;
     std::vector<Rule> exclude;
@@ -130,6 +135,7 @@ struct ExperimentYaml {
 
 inline constexpr std::int64_t kMaxSeeds = 100'000;
 inline constexpr std::int64_t kMaxImageSide = 16'384;
+inline constexpr std::int64_t kMaxSnapshotFactor = 1000;
 
 // Throws NotFound when there is no file, InvalidArgument with the place of what is wrong.
 ExperimentYaml read_experiment_yaml(const std::filesystem::path& file,
