@@ -163,10 +163,27 @@ std::optional<double> Store::seconds_per_sample(const std::string& scene_hash,
     return select.real(0) / samples;
 }
 
-int Store::measure(const Plan& plan) { return measure_plan(*database_, folder_, plan); }
+int Store::measure(const Plan& plan) {
+    const int n_added = measure_plan(*database_, folder_, plan);
+    update_moments(*database_, folder_);
+    return n_added;
+}
 
 std::vector<Measurement> Store::measurements(const Plan& plan) const {
     return select_measurements(*database_, plan);
+}
+
+std::vector<SnapshotMeasurement> Store::snapshot_measurements(const Plan& plan,
+                                                              const std::string& metric) const {
+    return select_snapshot_measurements(*database_, plan, metric);
+}
+
+std::map<std::string, double> Store::reference_shares(const Plan& plan) const {
+    return select_reference_shares(*database_, plan);
+}
+
+PixelMoments Store::moments(const std::vector<std::string>& runs) const {
+    return read_or_compute_moments(folder_, runs);
 }
 
 }  // namespace misbench

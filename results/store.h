@@ -6,6 +6,8 @@
 //   STORE/runs/ID/image.exr      float RGB, the mean over the passes
 //   STORE/runs/ID/snapshot-N.exr the same after the first N passes, where the run keeps some
 //   STORE/runs/ID/record.json    results/record.h
+//   STORE/moments/ID.exr         mean and M2 of the images of a cell's seeds (moments.h); made from
+//                                the runs, and again when they are gone
 //   STORE/incoming/              uploads in progress; emptied when a writer opens the store
 //   STORE/damaged/               what was found damaged is set aside here, nothing is deleted
 //   STORE/lock                   held by the one process that writes
@@ -24,6 +26,7 @@
 #include "experiments/plan/experiment.h"
 #include "renderer/base/files.h"
 #include "renderer/image/image.h"
+#include "results/moments.h"
 #include "results/record.h"
 
 namespace misbench {
@@ -55,6 +58,16 @@ struct Measurement {
     std::string reference_a;  // run ids of the reference's halves
     std::string reference_b;
     std::string metric;
+    double value = 0;
+};
+
+// A number of an image on a run's way, and what it had cost.
+struct SnapshotMeasurement {
+    std::string run;
+    std::int64_t samples = 0;  // of the snapshot
+    std::int64_t passes = 0;
+    double wall_seconds = 0;
+    double cpu_seconds = 0;
     double value = 0;
 };
 
@@ -128,9 +141,19 @@ class Store {
 
     // --- measurements --------------------------------------------------------------------------
     // Computes and stores what the plan's metrics still lack, wherever the run and both halves of
-    // its reference are there and valid. Returns how many were added.
+    // its reference are there and valid, of images and of snapshots; then the moments of all cells.
+    // Returns how many measurements were added.
     int measure(const Plan& plan);
-    std::vector<Measurement> measurements(const Plan& plan) const;
+    std::vector<Measurement> measurements(const Plan& plan) const;  // of images
+    // By run, then samples.
+    std::vector<SnapshotMeasurement> snapshot_measurements(const Plan& plan,
+                                                           const std::string& metric) const;
+    // By run: the share of its reference's variance in its naive relMSE (reference_noise.h). Above
+    // kNoisyReference in a cell's mean, the reference needs more samples.
+    std::map<std::string, double> reference_shares(const Plan& plan) const;
+    // Mean and M2 of the images of these runs, by pixel: from STORE/moments/ where they are there.
+    // REQUIRES: at least one run; all of one image size.
+    PixelMoments moments(const std::vector<std::string>& runs) const;
 
  private:
     std::filesystem::path folder_;
