@@ -5,6 +5,7 @@ target_compile_definitions(resolve_test PRIVATE
   MISBENCH_EXPERIMENTS="${CMAKE_SOURCE_DIR}/experiments")
 misbench_test(claims_formats_test unit misbench_report)
 misbench_test(table_test unit misbench_report)
+misbench_test(tradeoff_test unit misbench_report)
 misbench_test(progress_test unit misbench_cli)
 misbench_test(path_story_test unit misbench_cli)
 misbench_test(run_test e2e misbench_results)

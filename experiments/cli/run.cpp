@@ -242,6 +242,8 @@ std::vector<Plan> resolve_all(const RunOptions& options) {
     return plans;
 }
 
+}  // namespace
+
 int run_plan(const RunOptions& options, const Plan& plan) {
     bool is_complete = true;
     std::map<std::string, Cost> costs = put_experiment(options, plan);
@@ -253,8 +255,6 @@ int run_plan(const RunOptions& options, const Plan& plan) {
     store.measure(plan);
     return is_complete ? print_outcome(store, plan) : interrupted(store, plan, options);
 }
-
-}  // namespace
 
 int run_verb(const RunOptions& options) {
     init_log("misbench", "info");
