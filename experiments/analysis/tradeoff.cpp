@@ -18,9 +18,13 @@ std::string listed(const auto& names) {
 
 std::string wanted_metric(const Plan& plan, const std::string& name) {
     if (name.empty()) return plan.metrics.front();
+    const std::string* found = nullptr;
     for (const std::string& metric : plan.metrics) {
-        if (metric == name || metric.starts_with(name + ".")) return metric;
+        if (metric == name) return metric;
+        const bool begins = metric.starts_with(name + ".");
+        if (begins && (found == nullptr || metric.size() < found->size())) found = &metric;
     }
+    if (found != nullptr) return *found;
     throw ParameterError("y", "experiment '" + plan.experiment + "' does not measure '" + name +
                                   "'; known:" + listed(plan.metrics));
 }

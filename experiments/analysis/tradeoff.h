@@ -60,7 +60,7 @@ struct Tradeoff {
 
 // What is asked for beside the plan; empty: all scenes, the plan's first metric, its baseline.
 struct TradeoffQuestion {
-    std::string metric = {};  // of the plan: its id, or the id up to its first dot
+    std::string metric = {};  // of the plan: its id, or the shortest that begins so
     std::string scene = {};
     std::string against = {};
     std::optional<double> target = {};

@@ -57,7 +57,7 @@ void add_tradeoff(CLI::App& app, Chosen& chosen) {
                     "cost (CPU seconds), wall, passes, or a parameter in which methods differ")
         ->capture_default_str();
     verb.add_option("--y", options->y,
-                    "a metric or the beginning of it; default: the experiment's first");
+                    "a metric, or its id up to a dot; default: the experiment's first");
     verb.add_option("--scene", options->scene, "default: all");
     verb.add_option("--against", options->against, "a method; default: the baseline");
     verb.add_option("--target", options->target,

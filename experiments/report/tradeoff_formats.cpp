@@ -127,7 +127,9 @@ Page page_of(const Tradeoff& tradeoff) {
                                             : unit + " to error",
                                "against " + tradeoff.baseline}}};
         Grid points{.title = scene.scene + ", points",
-                    .rows = {{"method", unit, "spp", tradeoff.metric, "front"}}};
+                    .rows = {{"method", "spp", tradeoff.metric, "front"}}};
+        const bool is_timed = tradeoff.effort != Effort::Passes;
+        if (is_timed) points.rows[0].insert(points.rows[0].begin() + 1, unit);
         for (const TradeoffMethod& method : scene.methods) {
             methods.rows.push_back({method.method, slope_text(method.slope),
                                     floor_text(method.floor), target_text(method.to_target),
@@ -135,10 +137,11 @@ Page page_of(const Tradeoff& tradeoff) {
                                         ? ""
                                         : crossover_text(method.against_baseline)});
             for (const TradeoffPoint& p : method.points) {
-                points.rows.push_back(
-                    {method.method, effort_text(p.effort),
-                     effort_text(p.point.passes) + (p.point.is_snapshot ? " s" : ""),
-                     format_mean(*p.point.mean), p.is_on_front ? "•" : ""});
+                std::vector<std::string> row{
+                    method.method, effort_text(p.point.passes) + (p.point.is_snapshot ? " s" : ""),
+                    format_mean(*p.point.mean), p.is_on_front ? "•" : ""};
+                if (is_timed) row.insert(row.begin() + 1, effort_text(p.effort));
+                points.rows.push_back(std::move(row));
             }
         }
         page.grids.push_back(std::move(methods));

@@ -91,6 +91,9 @@ Estimate jackknifed(double theta, std::size_t n_seeds,
     return estimate;
 }
 
+// An error that is reached up to rounding is reached.
+constexpr double kRounding = 1e-12;
+
 struct LogEffort {
     EffortTo::Where where = EffortTo::Where::Never;
     double value = 0;
@@ -99,6 +102,7 @@ LogEffort log_effort_to_reach(const SeedCurves& curves, double error) {
     using Where = EffortTo::Where;
     const std::vector<double>& efforts = curves.efforts;
     const std::vector<double> errors = mean_curve(curves);
+    error *= 1 + kRounding;
     if (errors.front() <= error) return {Where::Before, std::log(efforts.front())};
     for (std::size_t k = 1; k < errors.size(); ++k) {
         if (errors[k] > error) continue;

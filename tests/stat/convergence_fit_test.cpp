@@ -105,6 +105,7 @@ TEST(EffortToReach, IsReadFromTheCurveAndSaidToBeBeyondWhereItEnds) {
     EXPECT_EQ(at(0.1).where, Where::Within);
     EXPECT_NEAR(at(0.1).effort->value, 10, 1e-9);
     EXPECT_NEAR(at(1 / 32.0).effort->value, 32, 1e-9);
+    EXPECT_EQ(at(std::nextafter(1 / 32.0, 0)).where, Where::Within) << "up to rounding";
     EXPECT_EQ(at(0.9).where, Where::Before);
     EXPECT_EQ(at(0.9).effort->value, 2);
     EXPECT_EQ(at(0.01).where, Where::Beyond);
