@@ -245,12 +245,20 @@ void TaskQueue::verify(const LeaseRef& lease, const std::vector<QueueClient::Art
         }
         announced.insert(artefact.file);
     }
-    if (announced != std::set<std::string>(kArtefactNames.begin(), kArtefactNames.end())) {
+    std::set<std::string> wanted(kArtefactNames.begin(), kArtefactNames.end());
+    if (!std::ranges::includes(announced, wanted)) {
         throw Error(Errc::InvalidArgument, attempt + "incomplete; wanted: image.exr record.json");
     }
     const Record record = read_record(folder);
     if (record.run != lease.task) {
         throw Error(Errc::InvalidArgument, attempt + "the record is of run " + record.run);
+    }
+    for (const SnapshotRecord& snapshot : record.snapshots) {
+        wanted.insert(snapshot_file(snapshot.statistics.samples));
+    }
+    if (announced != wanted) {
+        throw Error(Errc::InvalidArgument,
+                    attempt + "its snapshots are not those that its record names");
     }
 }
 

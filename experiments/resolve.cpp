@@ -283,6 +283,7 @@ void add_test_cells(const ExperimentYaml& file, const std::vector<ResolvedScene>
                 for (const ResolvedMethod& method : methods) {
                     plan.cells.push_back(
                         make_cell(scene, method, budget.value, seed.value, Role::Test));
+                    plan.cells.back().task.snapshots = file.snapshots;
                 }
             }
         }
@@ -353,6 +354,9 @@ std::string describe(const ExperimentYaml& file, const std::vector<ResolvedScene
         for (const auto& seed : file.seeds) json["seeds"].push_back(seed.value);
     }
     for (const Budget& budget : plan.budgets) json["budgets"].push_back(budget_to_json(budget));
+    if (file.snapshots) {
+        json["snapshots"] = {{"first", file.snapshots->first}, {"factor", file.snapshots->factor}};
+    }
     json["reference"] = method_to_json(reference);
     json["reference"]["samples"] = file.reference.samples;
     if (!file.profile.name.empty()) json["profile"] = file.profile.name;

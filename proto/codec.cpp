@@ -32,8 +32,10 @@ bool is_hex(const std::string& text, std::size_t digits) {
 
 void require_artefact_name(const std::string& file) {
     const bool known =
-        std::find(kArtefactNames.begin(), kArtefactNames.end(), file) != kArtefactNames.end();
-    require(known, "unknown artefact '" + file + "'; known: image.exr record.json");
+        std::find(kArtefactNames.begin(), kArtefactNames.end(), file) != kArtefactNames.end() ||
+        is_snapshot_file(file);
+    require(known,
+            "unknown artefact '" + file + "'; known: image.exr record.json snapshot-NUMBER.exr");
 }
 
 nlohmann::json parse(const std::string& text, const std::string& what) {

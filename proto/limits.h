@@ -8,7 +8,7 @@
 
 namespace misbench {
 
-// What a result consists of; no other file is taken.
+// What a result consists of, beside its snapshots (snapshot_file()); no other file is taken.
 inline constexpr std::array<std::string_view, 2> kArtefactNames{"image.exr", "record.json"};
 inline constexpr std::size_t kTaskIdDigits = 32;
 inline constexpr std::size_t kSha256Digits = 64;

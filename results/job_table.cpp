@@ -198,7 +198,16 @@ Recorded insert_run(const Database& database, const Record& record) {
                 record.provenance.cpu_model, record.provenance.isa, record.provenance.compiler,
                 record.provenance.flags, record.provenance.host);
     const bool is_new = insert.step();
-    if (is_new) insert.run();
+    if (is_new) {
+        insert.run();
+        Statement snapshot =
+            database.prepare("INSERT INTO snapshots VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
+        for (const auto& [at, sha256] : record.snapshots) {
+            snapshot.bind(record.run, at.samples, at.passes, at.wall_seconds, at.cpu_seconds,
+                          at.rays);
+            snapshot.run();
+        }
+    }
     database.prepare("UPDATE tasks SET state = 'done', error = '' WHERE id = ?1")
         .bind(record.run)
         .run();

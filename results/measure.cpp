@@ -8,6 +8,7 @@
 #include "renderer/base/error.h"
 #include "results/job_table.h"
 #include "results/metrics/metrics.h"
+#include "results/reference_noise.h"
 #include "results/run_directory.h"
 
 namespace misbench {
@@ -15,10 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What one tested run lacks. The reference's halves are read once for all of their runs.
+// What one image of a tested run lacks. The reference's halves are read once for all of them.
 struct Lack {
     std::string run;
+    std::int64_t snapshot = 0;  // 0: the run's image
     std::vector<const Metric*> metrics;
+    bool share = false;  // of the reference's noise
 };
 
 using PairIds = std::pair<std::string, std::string>;
@@ -39,22 +42,36 @@ bool is_valid_run(const Database& database, const std::string& id) {
     return database.prepare("SELECT 1 FROM runs WHERE id = ?1 AND valid = 1").bind(id).step();
 }
 
+// Of the snapshots of a run, and of its image as 0.
+std::vector<std::int64_t> images_of(const Database& database, const std::string& run) {
+    std::vector<std::int64_t> images{0};
+    Statement select = database.prepare("SELECT samples FROM snapshots WHERE run = ?1 ORDER BY 1");
+    select.bind(run);
+    while (select.step()) images.push_back(select.integer(0));
+    return images;
+}
+
 std::vector<Lack> lacks_of(const Database& database, const PairIds& pair,
                            const std::set<std::string>& runs,
                            const std::vector<const Metric*>& wanted) {
     std::vector<Lack> lacks;
     Statement there = database.prepare(
-        "SELECT 1 FROM measurements "
-        "WHERE run = ?1 AND reference_a = ?2 AND reference_b = ?3 AND metric = ?4");
+        "SELECT 1 FROM measurements WHERE run = ?1 AND snapshot = ?2 AND reference_a = ?3 "
+        "AND reference_b = ?4 AND metric = ?5");
+    Statement share_there = database.prepare(
+        "SELECT 1 FROM reference_noise WHERE run = ?1 AND reference_a = ?2 AND reference_b = ?3");
     for (const std::string& run : runs) {
         if (!is_valid_run(database, run)) continue;
-        Lack lack{.run = run, .metrics = {}};
-        for (const Metric* metric : wanted) {
-            if (!there.bind(run, pair.first, pair.second, metric->id).step()) {
-                lack.metrics.push_back(metric);
+        for (const std::int64_t image : images_of(database, run)) {
+            Lack lack{.run = run, .snapshot = image, .metrics = {}};
+            for (const Metric* metric : wanted) {
+                if (!there.bind(run, image, pair.first, pair.second, metric->id).step()) {
+                    lack.metrics.push_back(metric);
+                }
             }
+            lack.share = image == 0 && !share_there.bind(run, pair.first, pair.second).step();
+            if (lack.share || !lack.metrics.empty()) lacks.push_back(std::move(lack));
         }
-        if (!lack.metrics.empty()) lacks.push_back(std::move(lack));
     }
     return lacks;
 }
@@ -67,31 +84,41 @@ std::vector<Lack> lacks_of(const Database& database, const PairIds& pair,
 
 int measure_against(const Database& database, const fs::path& store, const PairIds& pair,
                     const std::vector<Lack>& lacks) {
-    const auto image_of = [&store](const std::string& run) {
-        return read_exr(store / "runs" / run / kImageFile);
+    const auto image_of = [&store](const std::string& run, std::int64_t snapshot = 0) {
+        return read_exr(store / "runs" / run /
+                        (snapshot == 0 ? kImageFile : snapshot_file(snapshot)));
     };
     const Image a = image_of(pair.first);
     const Image b = image_of(pair.second);
-    std::vector<Measurement> added;
+    struct Value {
+        const Lack* of;
+        const Metric* metric;  // null: the share of the reference's noise
+        double value;
+    };
+    std::vector<Value> values;
     for (const Lack& lack : lacks) {
-        const Image image = image_of(lack.run);
+        const Image image = image_of(lack.run, lack.snapshot);
         for (const Metric* metric : lack.metrics) {
-            const double value = measure(*metric, image, {a, b});
-            if (!std::isfinite(value)) throw_not_finite(lack.run, *metric);
-            added.push_back({.run = lack.run,
-                             .reference_a = pair.first,
-                             .reference_b = pair.second,
-                             .metric = std::string(metric->id),
-                             .value = value});
+            values.push_back({&lack, metric, measure(*metric, image, {a, b})});
+            if (!std::isfinite(values.back().value)) throw_not_finite(lack.run, *metric);
         }
+        if (lack.share) values.push_back({&lack, nullptr, reference_share(image, {a, b})});
     }
+    int n_added = 0;
     Transaction transaction(database);
-    Statement insert = database.prepare("INSERT INTO measurements VALUES (?1, ?2, ?3, ?4, ?5)");
-    for (const Measurement& m : added) {
-        insert.bind(m.run, m.reference_a, m.reference_b, m.metric, m.value).run();
+    Statement insert = database.prepare("INSERT INTO measurements VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
+    Statement insert_share =
+        database.prepare("INSERT INTO reference_noise VALUES (?1, ?2, ?3, ?4)");
+    for (const auto& [of, metric, value] : values) {
+        if (metric == nullptr) {
+            insert_share.bind(of->run, pair.first, pair.second, value).run();
+            continue;
+        }
+        insert.bind(of->run, of->snapshot, pair.first, pair.second, metric->id, value).run();
+        ++n_added;
     }
     transaction.commit();
-    return static_cast<int>(added.size());
+    return n_added;
 }
 
 }  // namespace
@@ -111,8 +138,8 @@ int measure_plan(const Database& database, const fs::path& store, const Plan& pl
 std::vector<Measurement> select_measurements(const Database& database, const Plan& plan) {
     std::vector<Measurement> measurements;
     Statement select = database.prepare(
-        "SELECT metric, value FROM measurements "
-        "WHERE run = ?1 AND reference_a = ?2 AND reference_b = ?3 ORDER BY metric");
+        "SELECT metric, value FROM measurements WHERE run = ?1 AND snapshot = 0 "
+        "AND reference_a = ?2 AND reference_b = ?3 ORDER BY metric");
     for (const auto& [pair, runs] : tested_runs(plan)) {
         for (const std::string& run : runs) {
             select.bind(run, pair.first, pair.second);
@@ -128,6 +155,44 @@ std::vector<Measurement> select_measurements(const Database& database, const Pla
         }
     }
     return measurements;
+}
+
+std::vector<SnapshotMeasurement> select_snapshot_measurements(const Database& database,
+                                                              const Plan& plan,
+                                                              const std::string& metric) {
+    std::vector<SnapshotMeasurement> measurements;
+    Statement select = database.prepare(
+        "SELECT s.samples, s.passes, s.wall_seconds, s.cpu_seconds, m.value "
+        "FROM snapshots s JOIN measurements m ON m.run = s.run AND m.snapshot = s.samples "
+        "WHERE s.run = ?1 AND m.reference_a = ?2 AND m.reference_b = ?3 AND m.metric = ?4 "
+        "ORDER BY s.samples");
+    for (const auto& [pair, runs] : tested_runs(plan)) {
+        for (const std::string& run : runs) {
+            select.bind(run, pair.first, pair.second, metric);
+            while (select.step()) {
+                measurements.push_back({.run = run,
+                                        .samples = select.integer(0),
+                                        .passes = select.integer(1),
+                                        .wall_seconds = select.real(2),
+                                        .cpu_seconds = select.real(3),
+                                        .value = select.real(4)});
+            }
+        }
+    }
+    return measurements;
+}
+
+std::map<std::string, double> select_reference_shares(const Database& database, const Plan& plan) {
+    std::map<std::string, double> shares;
+    Statement select = database.prepare(
+        "SELECT share FROM reference_noise WHERE run = ?1 AND reference_a = ?2 AND reference_b = "
+        "?3");
+    for (const auto& [pair, runs] : tested_runs(plan)) {
+        for (const std::string& run : runs) {
+            if (select.bind(run, pair.first, pair.second).step()) shares[run] = select.real(0);
+        }
+    }
+    return shares;
 }
 
 }  // namespace misbench

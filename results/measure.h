@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "experiments/plan/experiment.h"
@@ -13,5 +15,9 @@ namespace misbench {
 // See Store::measure.
 int measure_plan(const Database& database, const std::filesystem::path& store, const Plan& plan);
 std::vector<Measurement> select_measurements(const Database& database, const Plan& plan);
+std::vector<SnapshotMeasurement> select_snapshot_measurements(const Database& database,
+                                                              const Plan& plan,
+                                                              const std::string& metric);
+std::map<std::string, double> select_reference_shares(const Database& database, const Plan& plan);
 
 }  // namespace misbench

@@ -54,6 +54,22 @@ void fields(MaybeConst<SamplePlace> auto& place, auto&& field) {
     field("pass", place.pass);
 }
 
+void fields(MaybeConst<SnapshotStatistics> auto& snapshot, auto&& field) {
+    field("samples", snapshot.samples);
+    field("passes", snapshot.passes);
+    field("wall_seconds", snapshot.wall_seconds);
+    field("cpu_seconds", snapshot.cpu_seconds);
+    field("training_passes", snapshot.training_passes);
+    field("training_wall_seconds", snapshot.training_wall_seconds);
+    field("training_cpu_seconds", snapshot.training_cpu_seconds);
+    field("rays", snapshot.rays);
+}
+
+void fields(MaybeConst<SnapshotRecord> auto& snapshot, auto&& field) {
+    field("statistics", snapshot.statistics);
+    field("image_sha256", snapshot.image_sha256);
+}
+
 void fields(MaybeConst<Record> auto& record, auto&& field) {
     field("run", record.run);
     field("task", record.task);
@@ -65,11 +81,13 @@ void fields(MaybeConst<Record> auto& record, auto&& field) {
     field("finished_at", record.finished_at);
     field("provenance", record.provenance);
     field("image_sha256", record.image_sha256);
+    field("snapshots", record.snapshots);
 }
 
 json written(const Task& task) { return task_to_json(task); }
 json written(const std::string& text) { return text; }
 json written(const std::optional<SamplePlace>& place);
+json written(const std::vector<SnapshotRecord>& snapshots);
 template <typename T>
 requires std::is_arithmetic_v<T> json written(T number) { return number; }
 template <typename T>
@@ -80,6 +98,11 @@ requires std::is_class_v<T> json written(const T& value) {
     return object;
 }
 json written(const std::optional<SamplePlace>& place) { return place ? written(*place) : json(); }
+json written(const std::vector<SnapshotRecord>& snapshots) {
+    json list = json::array();
+    for (const SnapshotRecord& snapshot : snapshots) list.push_back(written(snapshot));
+    return list;
+}
 
 [[noreturn]] void throw_damaged(const std::string& path, const std::string& what) {
     throw Error(Errc::DataLoss, "read a run's record: '" + path + "' " + what);
@@ -119,6 +142,7 @@ void read(const json& value, const std::string& path, Task& task) {
 }
 
 void read(const json& value, const std::string& path, std::optional<SamplePlace>& place);
+void read(const json& value, const std::string& path, std::vector<SnapshotRecord>& snapshots);
 template <typename T>
 requires std::is_class_v<T>
 void read(const json& value, const std::string& path, T& object) {
@@ -137,6 +161,27 @@ void read(const json& value, const std::string& path, std::optional<SamplePlace>
         read(value, path, place.emplace());
     }
 }
+void read(const json& value, const std::string& path, std::vector<SnapshotRecord>& snapshots) {
+    if (!value.is_array()) throw_damaged(path, "is not a list");
+    for (const json& item : value) {
+        const std::string inner = path + "." + std::to_string(snapshots.size());
+        read(item, inner, snapshots.emplace_back());
+    }
+}
+
+// Each is there under its own name, on the way to the image.
+void check_snapshots(const Record& record) {
+    std::int64_t samples = 0;
+    for (const SnapshotRecord& snapshot : record.snapshots) {
+        const SnapshotStatistics& at = snapshot.statistics;
+        if (at.samples <= samples) throw_damaged("snapshots", "have no growing samples");
+        if (at.passes < 1) throw_damaged("snapshots", "have one without passes");
+        samples = at.samples;
+    }
+    if (!record.task.snapshots && !record.snapshots.empty()) {
+        throw_damaged("snapshots", "were not asked for");
+    }
+}
 
 }  // namespace
 
@@ -151,16 +196,21 @@ Record record_from_json(const json& object) {
     int format = 0;
     if (!object.contains("format")) throw_damaged("format", "is missing");
     read(object["format"], "format", format);
-    if (format != Record::kFormat) {
+    const bool has_snapshots = format != Record::kFormatWithoutSnapshots;
+    if (has_snapshots && format != Record::kFormat) {
         throw Error(Errc::FailedPrecondition, "read a run's record: its format is " +
                                                   std::to_string(format) + ", this program reads " +
-                                                  std::to_string(Record::kFormat));
+                                                  std::to_string(Record::kFormatWithoutSnapshots) +
+                                                  " and " + std::to_string(Record::kFormat));
     }
     Record record;
-    read(object, "", record);
+    json whole = object;
+    if (!has_snapshots) whole["snapshots"] = json::array();
+    read(whole, "", record);
     if (record.run != task_id(record.task)) throw_damaged("run", "is not the id of its task");
     if (record.task.width <= 0 || record.task.height <= 0) throw_damaged("task", "has no pixels");
     if (record.statistics.passes < 0) throw_damaged("statistics.passes", "is negative");
+    check_snapshots(record);
     return record;
 }
 

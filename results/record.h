@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "experiments/plan/task.h"
 #include "renderer/base/render_statistics.h"
+#include "renderer/base/snapshots.h"
 
 namespace misbench {
 
@@ -22,8 +24,15 @@ struct Provenance {
     bool operator==(const Provenance&) const = default;
 };
 
+struct SnapshotRecord {
+    SnapshotStatistics statistics;
+    std::string image_sha256;  // of snapshot_file()'s bytes
+    bool operator==(const SnapshotRecord&) const = default;
+};
+
 struct Record {
-    static constexpr int kFormat = 2;
+    static constexpr int kFormat = 3;
+    static constexpr int kFormatWithoutSnapshots = 2;  // still read
 
     std::string run;  // = task_id(task)
     Task task;
@@ -35,6 +44,7 @@ struct Record {
     std::string finished_at;  // ISO 8601, UTC
     Provenance provenance;
     std::string image_sha256;  // of image.exr's bytes; checked when a run is committed or reindexed
+    std::vector<SnapshotRecord> snapshots = {};  // by growing samples
     bool operator==(const Record&) const = default;
 };
 

@@ -8,6 +8,7 @@
 #include "renderer/base/log.h"
 #include "results/job_table.h"
 #include "results/measure.h"
+#include "results/moments.h"
 #include "results/rollup.h"
 #include "results/run_directory.h"
 #include "results/schema.h"
@@ -145,6 +146,8 @@ Reindexed reindex(const fs::path& folder) {
             if (path.extension() != ".json") continue;
             measure_plan(*database, folder, read_experiment_file(path).plan);
         }
+        fs::remove_all(folder / kMomentsFolder);
+        update_moments(*database, folder);
         roll_up(*database);
     }
     replace_database(fresh, folder / "results.sqlite");

@@ -84,7 +84,7 @@ void read_values(const Database& database, const std::string& experiment, const 
                  std::vector<CellSeeds>& cells) {
     Statement select = database.prepare(R"sql(
         SELECT c.position, m.metric, m.value
-        FROM cells c JOIN measurements m ON m.run = c.task AND m.reference_a = c.reference_a
+        FROM cells c JOIN measurements m ON m.run = c.task AND m.snapshot = 0 AND m.reference_a = c.reference_a
                                         AND m.reference_b = c.reference_b
         WHERE c.experiment = ?1 AND c.role = 'test')sql");
     select.bind(experiment);

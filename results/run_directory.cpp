@@ -54,10 +54,15 @@ Record read_record(const fs::path& run_folder) {
 
 Record read_whole_run(const fs::path& run_folder) {
     Record record = read_record(run_folder);
-    const fs::path image = run_folder / kImageFile;
-    if (sha256_hex(read_required(image)) != record.image_sha256) {
+    const auto check = [&run_folder](const std::string& file, const std::string& sha256) {
+        const fs::path image = run_folder / file;
+        if (sha256_hex(read_required(image)) == sha256) return;
         throw Error(Errc::DataLoss,
                     "read '" + image.string() + "': its bytes are not those its record names");
+    };
+    check(kImageFile, record.image_sha256);
+    for (const SnapshotRecord& snapshot : record.snapshots) {
+        check(snapshot_file(snapshot.statistics.samples), snapshot.image_sha256);
     }
     return record;
 }

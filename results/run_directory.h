@@ -17,7 +17,7 @@ inline constexpr const char* kImageFile = "image.exr";
 // Throws DataLoss with the path when the record is missing or damaged.
 Record read_record(const std::filesystem::path& run_folder);
 
-// Also checks that the image is the one the record is about.
+// Also checks that the images are the ones the record is about.
 Record read_whole_run(const std::filesystem::path& run_folder);
 
 struct ExperimentFile {

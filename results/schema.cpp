@@ -59,7 +59,8 @@ CREATE TABLE cells (  -- of the experiments: scene × method × budget × seed
     CHECK ((reference_a IS NULL) = (reference_b IS NULL))
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX cells_by_task ON cells (task);
-CREATE INDEX cells_of_references ON cells (experiment, scene) WHERE role IN ('reference_a', 'reference_b');
+CREATE INDEX cells_of_references ON cells (experiment, scene)
+    WHERE role IN ('reference_a', 'reference_b');
 
 CREATE TABLE runs (  -- an index of runs/ID/record.json; a run has the id of its task
     id TEXT PRIMARY KEY,
@@ -94,13 +95,32 @@ CREATE TABLE runs (  -- an index of runs/ID/record.json; a run has the id of its
 ) STRICT;
 CREATE INDEX runs_by_cost ON runs (scene_hash, method, cpu_seconds, passes, width, height);
 
+CREATE TABLE snapshots (  -- of runs, on their way to the image
+    run TEXT NOT NULL REFERENCES runs (id),
+    samples INTEGER NOT NULL CHECK (samples > 0),  -- passes rendered: names the file
+    passes INTEGER NOT NULL CHECK (passes > 0),    -- those in the snapshot
+    wall_seconds REAL NOT NULL,
+    cpu_seconds REAL NOT NULL,
+    rays INTEGER NOT NULL,
+    PRIMARY KEY (run, samples)
+) STRICT, WITHOUT ROWID;
+
 CREATE TABLE measurements (
     run TEXT NOT NULL REFERENCES runs (id),
+    snapshot INTEGER NOT NULL,  -- its samples; 0: the run's image itself
     reference_a TEXT NOT NULL REFERENCES runs (id),
     reference_b TEXT NOT NULL REFERENCES runs (id),
     metric TEXT NOT NULL,
     value REAL NOT NULL,
-    PRIMARY KEY (run, reference_a, reference_b, metric)
+    PRIMARY KEY (run, snapshot, reference_a, reference_b, metric)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE reference_noise (  -- how much of an image's naive relMSE is its reference's variance
+    run TEXT NOT NULL REFERENCES runs (id),
+    reference_a TEXT NOT NULL REFERENCES runs (id),
+    reference_b TEXT NOT NULL REFERENCES runs (id),
+    share REAL NOT NULL,  -- results/reference_noise.h
+    PRIMARY KEY (run, reference_a, reference_b)
 ) STRICT, WITHOUT ROWID;
 
 CREATE VIEW results AS
@@ -115,8 +135,22 @@ SELECT c.experiment, c.scene, c.method, c.budget, c.seed,
 FROM cells c
 JOIN tasks t ON t.id = c.task
 LEFT JOIN runs r ON r.id = c.task
-LEFT JOIN measurements m ON m.run = c.task AND m.reference_a = c.reference_a
-                        AND m.reference_b = c.reference_b
+LEFT JOIN measurements m ON m.run = c.task AND m.snapshot = 0
+                        AND m.reference_a = c.reference_a AND m.reference_b = c.reference_b
+WHERE c.role = 'test';
+
+CREATE VIEW curves AS
+-- Error against effort: one row for each measured image of a tested cell, its snapshots and the
+-- image itself, whose snapshot is 0.
+SELECT c.experiment, c.scene, c.method, c.budget, c.seed, m.metric, m.snapshot,
+       ifnull(s.passes, r.passes) AS passes, ifnull(s.wall_seconds, r.wall_seconds) AS wall_seconds,
+       ifnull(s.cpu_seconds, r.cpu_seconds) AS cpu_seconds, ifnull(s.rays, r.rays) AS rays,
+       m.value, c.task AS run
+FROM cells c
+JOIN runs r ON r.id = c.task
+JOIN measurements m ON m.run = c.task AND m.reference_a = c.reference_a
+                   AND m.reference_b = c.reference_b
+LEFT JOIN snapshots s ON s.run = m.run AND s.samples = m.snapshot
 WHERE c.role = 'test';
 )sql";
 

@@ -153,6 +153,10 @@ Image Store::run_image(const std::string& id) const {
     return read_exr(run_folder(id) / kImageFile);
 }
 
+Image Store::snapshot_image(const std::string& id, std::int64_t samples) const {
+    return read_exr(run_folder(id) / snapshot_file(samples));
+}
+
 fs::path Store::run_folder(const std::string& id) const { return folder_ / "runs" / id; }
 
 std::map<std::string, RunSummary> Store::run_summaries() const {
@@ -181,6 +185,7 @@ std::optional<double> Store::seconds_per_sample(const std::string& scene_hash,
 
 int Store::measure(const Plan& plan) {
     const int n_added = measure_plan(*database_, folder_, plan);
+    update_moments(*database_, folder_);
     roll_up(*database_);
     return n_added;
 }
@@ -213,6 +218,19 @@ void Store::put_comparisons(const std::vector<StoredComparison>& comparisons) {
 
 std::vector<Measurement> Store::measurements(const Plan& plan) const {
     return select_measurements(*database_, plan);
+}
+
+std::vector<SnapshotMeasurement> Store::snapshot_measurements(const Plan& plan,
+                                                              const std::string& metric) const {
+    return select_snapshot_measurements(*database_, plan, metric);
+}
+
+std::map<std::string, double> Store::reference_shares(const Plan& plan) const {
+    return select_reference_shares(*database_, plan);
+}
+
+PixelMoments Store::moments(const std::vector<std::string>& runs) const {
+    return read_or_compute_moments(folder_, runs);
 }
 
 }  // namespace misbench

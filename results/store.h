@@ -4,7 +4,10 @@
 //   STORE/results.sqlite         index, job table, measurements
 //   STORE/experiments/NAME.json  the plan of each experiment
 //   STORE/runs/ID/image.exr      float RGB, the mean over the passes
+//   STORE/runs/ID/snapshot-N.exr the same after the first N passes, where the run keeps some
 //   STORE/runs/ID/record.json    results/record.h
+//   STORE/moments/ID.exr         mean and M2 of the images of a cell's seeds (moments.h); made from
+//                                the runs, and again when they are gone
 //   STORE/incoming/              uploads in progress; emptied when a writer opens the store
 //   STORE/damaged/               what was found damaged is set aside here, nothing is deleted
 //   STORE/lock                   held by the one process that writes
@@ -25,6 +28,7 @@
 #include "renderer/base/files.h"
 #include "renderer/image/image.h"
 #include "results/cell_seeds.h"
+#include "results/moments.h"
 #include "results/record.h"
 
 namespace misbench {
@@ -56,6 +60,16 @@ struct Measurement {
     std::string reference_a;  // run ids of the reference's halves
     std::string reference_b;
     std::string metric;
+    double value = 0;
+};
+
+// A number of an image on a run's way, and what it had cost.
+struct SnapshotMeasurement {
+    std::string run;
+    std::int64_t samples = 0;  // of the snapshot
+    std::int64_t passes = 0;
+    double wall_seconds = 0;
+    double cpu_seconds = 0;
     double value = 0;
 };
 
@@ -128,15 +142,16 @@ class Store {
     void save_task_state(const TaskRow& row);
 
     // --- runs ----------------------------------------------------------------------------------
-    // A fresh folder in incoming/ to put image.exr and record.json into.
+    // A fresh folder in incoming/ to put record.json and its images into.
     std::filesystem::path stage(const std::string& task, std::int64_t epoch) const;
     // Publishes a staged folder as the run's directory, then the run's row and its task's Done.
     // The folder is removed when the run is already there. Throws DataLoss, with the folder left
-    // as it is, when the record is damaged or the image is not the one that it names.
+    // as it is, when the record is damaged or an image is not the one that it names.
     Recorded commit_run(const std::filesystem::path& staged);
     bool has_run(const std::string& id) const;
     std::optional<Record> run(const std::string& id) const;
     Image run_image(const std::string& id) const;
+    Image snapshot_image(const std::string& id, std::int64_t samples) const;
     std::filesystem::path run_folder(const std::string& id) const;
     std::map<std::string, RunSummary> run_summaries() const;  // by id
     // CPU seconds (of all threads) per pixel and pass, over all runs seen so far of this scene
@@ -146,9 +161,19 @@ class Store {
 
     // --- measurements --------------------------------------------------------------------------
     // Computes and stores what the plan's metrics still lack, wherever the run and both halves of
-    // its reference are there and valid; then makes the rollups anew. Returns how many were added.
+    // its reference are there and valid, of images and of snapshots; then makes the moments of all
+    // cells and the rollups anew. Returns how many measurements were added.
     int measure(const Plan& plan);
-    std::vector<Measurement> measurements(const Plan& plan) const;
+    std::vector<Measurement> measurements(const Plan& plan) const;  // of images
+    // By run, then samples.
+    std::vector<SnapshotMeasurement> snapshot_measurements(const Plan& plan,
+                                                           const std::string& metric) const;
+    // By run: the share of its reference's variance in its naive relMSE (reference_noise.h). Above
+    // kNoisyReference in a cell's mean, the reference needs more samples.
+    std::map<std::string, double> reference_shares(const Plan& plan) const;
+    // Mean and M2 of the images of these runs, by pixel: from STORE/moments/ where they are there.
+    // REQUIRES: at least one run; all of one image size.
+    PixelMoments moments(const std::vector<std::string>& runs) const;
 
     // --- what tables ask -----------------------------------------------------------------------
     // The tested cells of an experiment with the values of these metrics, by the plan's order.

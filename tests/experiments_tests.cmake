@@ -6,6 +6,7 @@ target_compile_definitions(resolve_test PRIVATE
 misbench_test(claims_formats_test unit misbench_report)
 misbench_test(report_test unit misbench_report ZLIB::ZLIB)
 misbench_test(table_test unit misbench_report)
+misbench_test(tradeoff_test unit misbench_report)
 misbench_test(progress_test unit misbench_cli)
 misbench_test(path_story_test unit misbench_cli)
 misbench_test(image_list_test unit misbench_cli)

@@ -10,6 +10,7 @@
 #include "renderer/base/error.h"
 #include "renderer/base/files.h"
 #include "renderer/base/sha256.h"
+#include "renderer/base/snapshots.h"
 
 namespace misbench {
 namespace {
@@ -168,8 +169,13 @@ WorkerReport Session::deliver(const LeaseRef& lease, const fs::path& folder,
 
 CommitOutcome Session::send(const LeaseRef& lease, const fs::path& folder, bool& uploaded) {
     std::vector<QueueClient::Artefact> artefacts;
-    for (const std::string_view name : kArtefactNames) {
-        const std::string file(name);
+    std::vector<std::string> files(kArtefactNames.begin(), kArtefactNames.end());
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (is_snapshot_file(name)) files.push_back(name);
+    }
+    std::ranges::sort(files);
+    for (const std::string& file : files) {
         const std::string bytes = read_file(folder / file);
         if (!uploaded) links_.upload(lease, file, bytes);
         artefacts.push_back({.file = file,

@@ -19,7 +19,7 @@ namespace misbench {
 
 // What became of a task that was begun.
 struct TaskFinished {
-    std::filesystem::path folder;  // with image.exr and record.json
+    std::filesystem::path folder;  // with image.exr, its snapshots and record.json
 };
 struct TaskFailed {
     std::string error;  // one line

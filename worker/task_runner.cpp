@@ -75,7 +75,8 @@ TaskOutcome TaskRunner::render_task(const LeaseRef& lease, const Task& task,
                                                  .budget = task.budget,
                                                  .seed = task.seed,
                                                  .threads = threads_,
-                                                 .abandon = abandon});
+                                                 .abandon = abandon,
+                                                 .snapshots = task.snapshots});
     if (result.abandoned) return TaskAbandoned{};
     result.statistics.load_seconds = loaded.load_seconds;
     result.statistics.build_seconds = loaded.build_seconds;
@@ -83,12 +84,23 @@ TaskOutcome TaskRunner::render_task(const LeaseRef& lease, const Task& task,
     const fs::path folder = scratch_ / (lease.task + "." + std::to_string(lease.epoch));
     fs::remove_all(folder);
     fs::create_directories(folder);
-    write_exr(folder / "image.exr", result.image,
-              {{"run", lease.task},
-               {"scene", task.scene},
-               {"method", task.method},
-               {"budget", to_string(task.budget)},
-               {"seed", std::to_string(task.seed)}});
+    // Returns the hash of the file's bytes.
+    const auto write = [&](const std::string& file, const Image& image, const Budget& budget) {
+        write_exr(folder / file, image,
+                  {{"run", lease.task},
+                   {"scene", task.scene},
+                   {"method", task.method},
+                   {"budget", to_string(budget)},
+                   {"seed", std::to_string(task.seed)}});
+        return sha256_hex(read_file(folder / file));
+    };
+    std::vector<SnapshotRecord> snapshots;
+    for (const auto& [statistics, image] : result.snapshots) {
+        const Budget budget = SampleBudget{statistics.samples};
+        snapshots.push_back(
+            {.statistics = statistics,
+             .image_sha256 = write(snapshot_file(statistics.samples), image, budget)});
+    }
     const Record record{.run = lease.task,
                         .task = task,
                         .statistics = result.statistics,
@@ -98,7 +110,8 @@ TaskOutcome TaskRunner::render_task(const LeaseRef& lease, const Task& task,
                         .epoch = lease.epoch,
                         .finished_at = utc_now(),
                         .provenance = provenance_,
-                        .image_sha256 = sha256_hex(read_file(folder / "image.exr"))};
+                        .image_sha256 = write("image.exr", result.image, task.budget),
+                        .snapshots = std::move(snapshots)};
     write_file_durably(folder / "record.json", record_to_json(record).dump(2) + "\n");
     return TaskFinished{folder};
 }

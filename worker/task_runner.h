@@ -1,4 +1,4 @@
-// Does a task: loads its scene, renders, and leaves image.exr and record.json in a folder of the
+// Does a task: loads its scene, renders, and leaves images and record.json in a folder of the
 // scratch directory. Keeps the last scene, because the tasks of a block share it.
 #pragma once
 

@@ -1,6 +1,7 @@
 #include "experiments/analysis/cell_images.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace misbench {
 namespace {
@@ -8,6 +9,12 @@ namespace {
 bool is_valid(const Store& store, const std::string& id) {
     const std::optional<Record> record = store.run(id);
     return record && record->valid;
+}
+
+std::vector<std::string> ids_of(const std::vector<CellRun>& runs) {
+    std::vector<std::string> ids;
+    for (const CellRun& run : runs) ids.push_back(run.run);
+    return ids;
 }
 
 }  // namespace
@@ -27,18 +34,17 @@ std::vector<CellRun> finished_runs(const Store& store, const Plan& plan, const s
 
 std::optional<Image> mean_image(const Store& store, const std::vector<CellRun>& runs) {
     if (runs.empty()) return std::nullopt;
-    Image mean = store.run_image(runs.front().run);
-    std::vector<double> sums(mean.rgb.begin(), mean.rgb.end());
-    for (std::size_t r = 1; r < runs.size(); ++r) {
-        const Image image = store.run_image(runs[r].run);
-        for (std::size_t i = 0; i < sums.size(); ++i) {
-            sums[i] += static_cast<double>(image.rgb.at(i));
-        }
-    }
-    const auto n = static_cast<double>(runs.size());
-    std::ranges::transform(sums, mean.rgb.begin(),
-                           [n](double sum) { return static_cast<float>(sum / n); });
-    return mean;
+    return store.moments(ids_of(runs)).mean;
+}
+
+std::optional<Image> standard_error_image(const Store& store, const std::vector<CellRun>& runs) {
+    if (runs.size() < 2) return std::nullopt;
+    PixelMoments moments = store.moments(ids_of(runs));
+    const double n = moments.n;
+    std::ranges::transform(moments.m2.rgb, moments.m2.rgb.begin(), [n](float m2) {
+        return static_cast<float>(std::sqrt(static_cast<double>(m2) / (n - 1) / n));
+    });
+    return std::move(moments.m2);
 }
 
 std::optional<ReferenceImages> reference_images(const Store& store, const Plan& plan,

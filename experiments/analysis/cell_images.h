@@ -23,6 +23,8 @@ std::vector<CellRun> finished_runs(const Store& store, const Plan& plan, const s
 
 // The mean over the images of these runs; absent without runs.
 std::optional<Image> mean_image(const Store& store, const std::vector<CellRun>& runs);
+// Of that mean, by pixel and channel, from the spread over the runs; absent with fewer than two.
+std::optional<Image> standard_error_image(const Store& store, const std::vector<CellRun>& runs);
 
 struct ReferenceImages {
     Image a;

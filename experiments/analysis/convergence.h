@@ -18,6 +18,7 @@ struct CurvePoint {
     std::vector<double> values;  // of the metric, one a seed
     std::vector<std::int64_t> seeds;
     std::optional<Estimate> mean;
+    bool is_snapshot = false;  // on the way of a longer render
 };
 
 struct Curve {
@@ -26,7 +27,9 @@ struct Curve {
     std::vector<CurvePoint> points;  // by growing passes; points without a value are left out
 };
 
-// For each scene and method of the plan; `metric` as in compare().
+// For each scene and method of the plan; `metric` as in compare(). Snapshots are those of the
+// longest budget that has some: of shorter ones they would be the same samples again. They are left
+// out where not all seeds have them, and where a budget of as many samples is a point already.
 std::vector<Curve> convergence(const Store& store, const Plan& plan,
                                const std::string& metric = "");
 

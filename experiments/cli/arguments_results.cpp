@@ -171,6 +171,49 @@ void add_explain(CLI::App& app, Chosen& chosen) {
     add_scenes(verb, options->experiment.scenes);
 }
 
+void add_tradeoff(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<TradeoffOptions>();
+    CLI::App& verb =
+        add_verb(app, "tradeoff", "print what accuracy costs", tradeoff_verb, options, chosen);
+    verb.add_option("store", options->store, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "its name; default: the latest");
+    verb.add_option("--x", options->x,
+                    "cost (CPU seconds), wall, passes, or a parameter in which methods differ")
+        ->capture_default_str();
+    verb.add_option("--y", options->y,
+                    "a metric, or its id up to a dot; default: the experiment's first");
+    verb.add_option("--scene", options->scene, "default: all");
+    verb.add_option("--against", options->against, "a method; default: the baseline");
+    verb.add_option("--target", options->target,
+                    "the error to reach; default: the baseline's at its last effort")
+        ->check(CLI::PositiveNumber);
+    verb.add_option("--format", options->format, "text, csv, json or markdown")
+        ->check(CLI::IsMember({"text", "csv", "json", "markdown"}))
+        ->capture_default_str();
+}
+
+void add_reference(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<ReferenceOptions>();
+    CLI::App& verb =
+        add_verb(app, "reference", "print how noisy the references are, or improve them",
+                 reference_verb, options, chosen);
+    verb.add_option("store", options->run.store, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "its name; default: the latest");
+    CLI::Option* improve =
+        verb.add_option("--improve", options->improve,
+                        "render so many times the samples where a reference is too noisy; 1 goes "
+                        "on where that was interrupted")
+            ->check(CLI::Range(1, 1000));
+    verb.add_flag("--all", options->all, "of all scenes")->needs(improve);
+    verb.add_option("--workers", options->run.workers, "worker processes")
+        ->check(CLI::Range(1, 1024))
+        ->capture_default_str();
+    verb.add_option("--threads-per-worker", options->run.threads_per_worker,
+                    "render threads of each")
+        ->check(CLI::Range(1, 4096))
+        ->capture_default_str();
+}
+
 }  // namespace
 
 void add_result_verbs(CLI::App& app, Chosen& chosen) {
@@ -183,6 +226,8 @@ void add_result_verbs(CLI::App& app, Chosen& chosen) {
     add_selftest(app, chosen);
     add_diff(app, chosen);
     add_explain(app, chosen);
+    add_tradeoff(app, chosen);
+    add_reference(app, chosen);
 }
 
 }  // namespace misbench

@@ -51,8 +51,10 @@ int run_program(int argc, char** argv) {
                                                   build_compiler(), build_flags()));
     app.require_subcommand(1);
     app.footer(
-        "Exit codes: 0 done, 1 some tasks failed, a scene has warnings, stores differ or a self-test\n"
-        "does not pass, 2 usage, experiment or scene, 3 store, 4 coordinator out of reach, 70 a bug\n"
+        "Exit codes: 0 done, 1 some tasks failed, a scene has warnings, stores differ or a "
+        "self-test\n"
+        "does not pass, 2 usage, experiment or scene, 3 store, 4 coordinator out of reach, 70 a "
+        "bug\n"
         "of misbench, 130 interrupted.");
     Chosen chosen;
     add_render_verbs(app, chosen);

@@ -251,6 +251,8 @@ bool work_on(const RunOptions& options, const Plan& plan, const std::string& rou
     return LocalRun(options, plan, std::move(costs), round, interrupts).work();
 }
 
+}  // namespace
+
 // Has a fleet of its own for each round: only while none runs the store is ours to measure in. That
 // costs a round about three seconds and the loading of its scenes.
 int run_plan(const RunOptions& options, const Plan& largest) {
@@ -280,8 +282,6 @@ int run_plan(const RunOptions& options, const Plan& largest) {
         plan = std::move(*next);
     }
 }
-
-}  // namespace
 
 int run_verb(const RunOptions& options) {
     init_log("misbench", "info");

@@ -12,6 +12,8 @@
 
 namespace misbench {
 
+struct Plan;
+
 inline constexpr int kExitSomeFailed = 1;
 inline constexpr int kExitUsage = 2;
 inline constexpr int kExitInterrupted = 130;
@@ -93,6 +95,9 @@ struct RunOptions {
     std::string command_line;       // how to resume
 };
 int run_verb(const RunOptions& options);
+// Puts the plan into the store, does its tasks, measures, and prints what came out; `files` and
+// `experiment` are not read.
+int run_plan(const RunOptions& options, const Plan& plan);
 
 struct TableOptions {
     std::string store;
@@ -157,6 +162,26 @@ struct ReportOptions {
     double interval_seconds = 5;  // of watching
 };
 int report_verb(const ReportOptions& options);
+
+struct ReferenceOptions {
+    RunOptions run;                       // its store, and how to render there
+    std::string experiment;               // "" for the latest
+    std::optional<std::int64_t> improve;  // absent: only say how noisy the references are
+    bool all = false;                     // improve all, not only the noisy ones
+};
+int reference_verb(const ReferenceOptions& options);
+
+struct TradeoffOptions {
+    std::string store;
+    std::string experiment;  // "" for the latest
+    std::string x = "cost";  // cost, wall, passes or a parameter
+    std::string y;           // "" for the experiment's first metric
+    std::string scene;       // "" for all
+    std::string against;     // "" for the experiment's baseline
+    std::optional<double> target;
+    std::string format = "text";  // text, csv, json, markdown
+};
+int tradeoff_verb(const TradeoffOptions& options);
 
 struct StoreOptions {
     std::string store;

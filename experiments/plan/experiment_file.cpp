@@ -121,6 +121,21 @@ std::vector<Placed<Budget>> read_budgets(const YamlNode& node) {
     return budgets;
 }
 
+std::optional<SnapshotLadder> read_snapshots(const YamlNode* node) {
+    if (node == nullptr) return std::nullopt;
+    SnapshotLadder ladder;
+    const YamlNode* factor = node;
+    if (node->kind == YamlNode::Kind::Map) {
+        require_keys(*node, "snapshots", {"factor", "first"});
+        factor = &require_value(*node, "snapshots", "factor");
+        if (const YamlNode* first = node->find("first")) {
+            ladder.first = read_integer(*first, "first", 1, kMaxSamples);
+        }
+    }
+    ladder.factor = read_integer(*factor, "the factor of snapshots", 2, kMaxSnapshotFactor);
+    return ladder;
+}
+
 ReferenceEntry read_reference(const YamlNode& node) {
     require_map(node, "reference");
     ReferenceEntry reference{
@@ -197,9 +212,10 @@ ExperimentYaml read_experiment_yaml(const std::filesystem::path& file,
     for (const std::string& assignment : overrides) apply_override(root, assignment);
 
     const std::string what = "the experiment file";
-    require_keys(root, what,
-                 {"name", "description", "scenes", "methods", "seeds", "budgets", "image",
-                  "reference", "include", "exclude", "baseline", "metrics", "profiles", "claims"});
+    require_keys(
+        root, what,
+        {"name", "description", "scenes", "methods", "seeds", "budgets", "image", "reference",
+         "include", "exclude", "baseline", "metrics", "profiles", "claims", "snapshots"});
     experiment.name = read_word(require_value(root, what, "name"), "name");
     if (const YamlNode* description = root.find("description")) {
         experiment.description = read_text(*description, "description");
@@ -217,6 +233,7 @@ ExperimentYaml read_experiment_yaml(const std::filesystem::path& file,
     experiment.seed_rule = read_seed_rule(seeds);
     experiment.seeds = read_seeds(seeds, experiment.seed_rule);
     experiment.budgets = read_budgets(require_value(root, what, "budgets"));
+    experiment.snapshots = read_snapshots(root.find("snapshots"));
     experiment.reference = read_reference(require_value(root, what, "reference"));
     experiment.include = read_rules(root.find("include"));
     experiment.exclude = read_rules(root.find("exclude"));

@@ -18,6 +18,9 @@
 //                  (0.1 is 10 %)
 //   budgets        list of {samples: N} or                          (required)
 //                  {seconds: S, clock: cpu|wall}                    clock: cpu
+//   snapshots      F, or {factor: F, first: N}: keep each tested    none; first: 1
+//                  image after N passes too, and each time after F
+//                  times as many
 //   image          {width, height} in pixels                        640 × 480
 //   reference      {method: LABEL or NAME, samples: N,              (required)
 //                  seeds: [A, B], PARAMETER: value, …}: two          seeds: 1000001, 1000002
@@ -70,6 +73,7 @@
 #include "experiments/plan/profile.h"
 #include "experiments/plan/yaml_reader.h"
 #include "renderer/base/parameters.h"
+#include "renderer/base/snapshots.h"
 
 namespace misbench {
 
@@ -127,6 +131,7 @@ struct ExperimentYaml {
     std::vector<Placed<std::int64_t>> seeds;  // all that a seed rule allows
     std::optional<SeedRule> seed_rule;
     std::vector<Placed<Budget>> budgets;
+    std::optional<SnapshotLadder> snapshots;
     ReferenceEntry reference;
     std::vector<Rule> include;
     std::vector<Rule> exclude;
@@ -138,6 +143,7 @@ struct ExperimentYaml {
 inline constexpr std::int64_t kMaxSeeds = 100'000;
 inline constexpr std::int64_t kFewestSeedsOfRule = 3;  // fewer have no interval
 inline constexpr std::int64_t kMaxImageSide = 16'384;
+inline constexpr std::int64_t kMaxSnapshotFactor = 1000;
 
 // Throws NotFound when there is no file, InvalidArgument with the place of what is wrong.
 ExperimentYaml read_experiment_yaml(const std::filesystem::path& file,

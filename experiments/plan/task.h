@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "renderer/base/budget.h"
 #include "renderer/base/parameters.h"
+#include "renderer/base/snapshots.h"
 
 namespace misbench {
 
@@ -21,6 +23,9 @@ struct Task {
     ParameterMap parameters;  // effective: defaults filled in
     Budget budget;
     std::int64_t seed = 0;
+    // Asked for beside the image. Part of the id only where they are, so that a run without them
+    // does not stand for one with them.
+    std::optional<SnapshotLadder> snapshots = {};
 
     // What it takes to do it here, not part of the id.
     std::string scene;       // the scene's name

@@ -104,6 +104,30 @@ Channels channels_of(const Imf::ChannelList& list) {
     return channels;
 }
 
+struct Window {
+    Imath::Box2i box;
+    int width = 0;
+    int height = 0;
+};
+
+// Of a file that can hold so many pixels.
+Window window_of(const Imf::InputFile& file, std::size_t n_bytes) {
+    if (Imf::isMultiPart(file.version())) throw std::runtime_error("it has several parts");
+    const Imf::Header& header = file.header();
+    const Imath::Box2i box = header.dataWindow();
+    if (box != header.displayWindow()) {
+        throw std::runtime_error("its data window is not its display window");
+    }
+    const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
+    const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
+    check_image_size(width, height);
+    if (width * height / kMaxPixelsPerByte > static_cast<std::int64_t>(n_bytes)) {
+        throw std::runtime_error("the file is too short for " + std::to_string(width) + " x " +
+                                 std::to_string(height) + " pixels");
+    }
+    return {.box = box, .width = static_cast<int>(width), .height = static_cast<int>(height)};
+}
+
 void write_file(const std::filesystem::path& path, std::span<const ImageLayer> layers,
                 Imf::Compression compression,
                 const std::map<std::string, std::string>& attributes) {
@@ -153,29 +177,17 @@ void write_exr_layers(const std::filesystem::path& path, std::span<const ImageLa
 Pixels decode_exr(const std::string& bytes) {
     ByteStream stream(bytes);
     Imf::InputFile file(stream, 0);
-    if (Imf::isMultiPart(file.version())) throw std::runtime_error("it has several parts");
-    const Imf::Header& header = file.header();
-    const Imath::Box2i window = header.dataWindow();
-    if (window != header.displayWindow()) {
-        throw std::runtime_error("its data window is not its display window");
-    }
-    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-    const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-    check_image_size(width, height);
-    if (width * height / kMaxPixelsPerByte > static_cast<std::int64_t>(bytes.size())) {
-        throw std::runtime_error("the file is too short for " + std::to_string(width) + " x " +
-                                 std::to_string(height) + " pixels");
-    }
-    const Channels channels = channels_of(header.channels());
-    Pixels pixels{.width = static_cast<int>(width),
-                  .height = static_cast<int>(height),
+    const Window window = window_of(file, bytes.size());
+    const Channels channels = channels_of(file.header().channels());
+    Pixels pixels{.width = window.width,
+                  .height = window.height,
                   .n_channels = static_cast<int>(channels.size()),
                   .values = {}};
     std::vector<float> values(pixels.n_values());
     Imf::FrameBuffer buffer;
-    insert(values.data(), channels, "", window, buffer);
+    insert(values.data(), channels, "", window.box, buffer);
     file.setFrameBuffer(buffer);
-    file.readPixels(window.min.y, window.max.y);
+    file.readPixels(window.box.min.y, window.box.max.y);
     pixels.values = std::move(values);
     return pixels;
 }
@@ -190,6 +202,39 @@ Image read_exr(const std::filesystem::path& path) {
         image.height = pixels.height;
         image.rgb = std::get<std::vector<float>>(std::move(pixels.values));
         return image;
+    } catch (const std::exception& e) {
+        throw Error(Errc::DataLoss, "read image '" + path.string() + "': " + e.what());
+    }
+}
+
+ExrLayers read_exr_layers(const std::filesystem::path& path, std::span<const std::string> names) {
+    const std::string bytes = read_file(path);
+    try {
+        ByteStream stream(bytes);
+        Imf::InputFile file(stream, 0);
+        const Window window = window_of(file, bytes.size());
+        ExrLayers layers;
+        layers.images.assign(names.size(), Image(window.width, window.height));
+        Imf::FrameBuffer buffer;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            const std::string prefix = names[i].empty() ? "" : names[i] + ".";
+            for (const char* color : kColor) {
+                const Imf::Channel* channel = file.header().channels().findChannel(prefix + color);
+                const bool fits = channel != nullptr && channel->type == Imf::FLOAT &&
+                                  channel->xSampling == 1 && channel->ySampling == 1;
+                if (!fits) {
+                    throw std::runtime_error("it has no float channel " + prefix + color);
+                }
+            }
+            insert(layers.images[i].rgb.data(), kColor, prefix, window.box, buffer);
+        }
+        file.setFrameBuffer(buffer);
+        file.readPixels(window.box.min.y, window.box.max.y);
+        for (auto a = file.header().begin(); a != file.header().end(); ++a) {
+            const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute());
+            if (text != nullptr) layers.attributes[a.name()] = text->value();
+        }
+        return layers;
     } catch (const std::exception& e) {
         throw Error(Errc::DataLoss, "read image '" + path.string() + "': " + e.what());
     }

@@ -47,6 +47,14 @@ struct ImageLayer {
 void write_exr_layers(const std::filesystem::path& path, std::span<const ImageLayer> layers,
                       const std::map<std::string, std::string>& attributes = {});
 
+// Layers of these names, of float, in this order, and all string attributes of the file. Throws
+// like read_exr, also when a layer is missing.
+struct ExrLayers {
+    std::vector<Image> images;
+    std::map<std::string, std::string> attributes;
+};
+ExrLayers read_exr_layers(const std::filesystem::path& path, std::span<const std::string> names);
+
 // An 8-bit sRGB PNG in memory of the image times 2^exposure, clamped to [0, 1]; non-finite pixels
 // are magenta.
 std::string encode_png(const Image& image, double exposure);

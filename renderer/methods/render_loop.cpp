@@ -118,6 +118,8 @@ class BudgetWatch {
         return (time->clock == BudgetClock::Cpu ? used.cpu : used.wall) > time->seconds;
     }
     Moment start() const { return start_; }
+    // Time that is nobody's: the render's clock stood still for it.
+    void leave_out(Moment pause) { start_ = {start_.wall + pause.wall, start_.cpu + pause.cpu}; }
 
  private:
     Budget budget_;
@@ -131,6 +133,12 @@ void check_request(const RenderRequest& request) {
                                                std::to_string(request.height) + " on " +
                                                std::to_string(request.threads) +
                                                " threads: all must be at least 1");
+    }
+    if (request.snapshots && (request.snapshots->first < 1 || request.snapshots->factor < 2)) {
+        throw Error(Errc::InvalidArgument,
+                    "render with snapshots after " + std::to_string(request.snapshots->first) +
+                        " passes, then " + std::to_string(request.snapshots->factor) +
+                        " times as many: known: from 1, then 2 times or more");
     }
 }
 
@@ -194,6 +202,7 @@ class Render {
         watch_.emplace(request_.budget, threads_);
         if (gate_) gate_->open();
         Moment counted = watch_->start();
+        std::int64_t n_rendered = 0;
         for (std::int64_t pass = 0; watch_->wants_pass(pass); ++pass) {
             const bool is_training = method_->is_training();
             const std::optional<Forgotten> forgotten = render_pass(pass);
@@ -201,6 +210,7 @@ class Render {
             if (!forgotten || stop_()) break;
             add_pass();
             film_.forget(*forgotten);
+            n_rendered = pass + 1;
             const Moment end = now(threads_);
             if (is_training) {
                 ++statistics_.training_passes;
@@ -208,6 +218,14 @@ class Render {
                 statistics_.training_cpu_seconds += (end - counted).cpu;
             }
             counted = end;
+            if (request_.snapshots && is_rung(*request_.snapshots, n_rendered)) {
+                take_snapshot(n_rendered, end - watch_->start());
+                counted = now(threads_);
+                watch_->leave_out(counted - end);
+            }
+        }
+        if (!snapshots_.empty() && snapshots_.back().statistics.samples == n_rendered) {
+            snapshots_.pop_back();
         }
         const Moment used = counted - watch_->start();
         const Moment discarded = now(threads_) - counted;
@@ -215,6 +233,20 @@ class Render {
         statistics_.cpu_seconds = used.cpu;
         statistics_.discarded_wall_seconds = discarded.wall;
         statistics_.discarded_cpu_seconds = discarded.cpu;
+    }
+
+    void take_snapshot(std::int64_t samples, Moment used) {
+        if (!film_.is_complete()) return;
+        snapshots_.push_back(
+            {.statistics = {.samples = samples,
+                            .passes = film_.n_passes(),
+                            .wall_seconds = used.wall,
+                            .cpu_seconds = used.cpu,
+                            .training_passes = statistics_.training_passes,
+                            .training_wall_seconds = statistics_.training_wall_seconds,
+                            .training_cpu_seconds = statistics_.training_cpu_seconds,
+                            .rays = statistics_.rays},
+             .image = film_.mean(frame_.width, frame_.height)});
     }
 
     // Empty: it was cut short.
@@ -253,6 +285,7 @@ class Render {
                        (statistics_.negative_samples == 0 || info_.may_be_negative);
         result.description = description.dump();
         result.maps = method_->maps();
+        result.snapshots = std::move(snapshots_);
         return result;
     }
 
@@ -272,6 +305,7 @@ class Render {
     Film film_;
     PassFilm pass_film_;
     RenderStatistics statistics_;
+    std::vector<Snapshot> snapshots_;
 };
 
 }  // namespace

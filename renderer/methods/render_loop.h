@@ -10,6 +10,7 @@
 #include "renderer/base/budget.h"
 #include "renderer/base/parameters.h"
 #include "renderer/base/render_statistics.h"
+#include "renderer/base/snapshots.h"
 #include "renderer/image/image.h"
 
 namespace misbench {
@@ -33,6 +34,13 @@ struct RenderRequest {
     // The image of this pass alone, and its samples: earlier ones are rendered only where the
     // method learns from them. The budget is not read.
     std::optional<std::int64_t> only_pass = {};
+    // Where the render's image is kept on its way; not with only_pass.
+    std::optional<SnapshotLadder> snapshots = {};
+};
+
+struct Snapshot {
+    SnapshotStatistics statistics;
+    Image image;
 };
 
 struct RenderResult {
@@ -41,7 +49,10 @@ struct RenderResult {
     bool valid = true;             // RenderStatistics' counts against what the method declares
     std::string description;       // what the method decided, as JSON text
     std::vector<NamedImage> maps;  // what it learned
-    bool abandoned = false;        // then nothing else is meaningful
+    // By growing samples, without the image itself. None where a run of as many samples is not
+    // valid because some pixel has no sample yet. Making them is in no count of seconds.
+    std::vector<Snapshot> snapshots;
+    bool abandoned = false;  // then nothing else is meaningful
 };
 
 // An equal-sample render gives the same bits for every number of threads. A time budget that ends

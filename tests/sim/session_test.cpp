@@ -138,6 +138,21 @@ TEST_F(SessionTest, DoesTasksUntilItIsToldToExit) {
     EXPECT_TRUE(scratch_is_empty());
 }
 
+TEST_F(SessionTest, DeliversTheSnapshotsOfATaskToo) {
+    task_ = [this](const LeaseRef& lease, const std::function<bool()>&) {
+        const TaskFinished finished = finish(lease);
+        write_file_durably(finished.folder / "snapshot-000002.exr", "noise");
+        write_file_durably(finished.folder / "scratch.txt", "nobody's");
+        return finished;
+    };
+    script_ = {[] { return begin(kFirst); }};
+    run();
+    EXPECT_THAT(uploads_, testing::ElementsAre("1 image.exr pixels", "1 record.json facts",
+                                               "1 snapshot-000002.exr noise"));
+    ASSERT_EQ(artefacts_.size(), 3U);
+    EXPECT_EQ(artefacts_[2].sha256, sha256_hex("noise"));
+}
+
 TEST_F(SessionTest, ResultWaitsForACoordinatorThatIsAway) {
     int n_tries = 0;
     upload_ = [&] {

@@ -240,6 +240,18 @@ TEST_F(TaskQueueTest, IncompleteOrForeignResultIsRefused) {
     EXPECT_FALSE(look().has_run(other.lease.task));
 }
 
+TEST_F(TaskQueueTest, SnapshotsAreThoseThatTheRecordNames) {
+    const auto begin = must_begin("w");
+    const Files files = make_files(begin);
+    auto artefacts = files.artefacts();
+    artefacts.push_back({"snapshot-000002.exr", 5, sha256_hex("noise")});
+    upload(begin.lease, files);
+    queue_->upload(begin.lease, "snapshot-000002.exr", 0, "noise", now_);
+    EXPECT_EQ(code_of([&] { queue_->commit(begin.lease, artefacts, now_); }),
+              Errc::InvalidArgument);
+    EXPECT_EQ(deliver(begin), CommitOutcome::Accepted);
+}
+
 TEST_F(TaskQueueTest, UploadGoesOnAtTheOffsetThatIsThere) {
     const auto begin = must_begin("w");
     const LeaseRef& lease = begin.lease;

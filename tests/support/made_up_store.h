@@ -114,15 +114,42 @@ inline Record made_up_record(const Task& task) {
             .image_sha256 = ""};
 }
 
+// Noisier than the run's, as if after so many samples.
+inline Image made_up_snapshot_image(Task task, std::int64_t samples) {
+    task.budget = SampleBudget{samples};
+    return made_up_image(task);
+}
+
+inline SnapshotRecord made_up_snapshot(const Task& task, std::int64_t samples) {
+    const auto n = static_cast<double>(samples);
+    return {.statistics = {.samples = samples,
+                           .passes = samples,
+                           .wall_seconds = 0.0625 * n,
+                           .cpu_seconds = 0.125 * n,
+                           .training_passes = 1,
+                           .training_wall_seconds = 0.0625,
+                           .training_cpu_seconds = 0.125,
+                           .rays = 1000 * samples},
+            .image_sha256 = sha256_hex(task.method + std::to_string(samples))};
+}
+
 using RecordChange = std::function<void(Record&)>;
 
-// What a worker uploads: both files in a staged folder.
+// What a worker uploads: the files in a staged folder.
 inline std::filesystem::path stage_made_up_run(const Store& store, const Task& task,
                                                const RecordChange& change = {}) {
     Record record = made_up_record(task);
     const auto folder = store.stage(record.run, record.epoch);
     write_exr(folder / "image.exr", made_up_image(task));
     record.image_sha256 = sha256_hex(read_file(folder / "image.exr"));
+    const auto* samples = std::get_if<SampleBudget>(&task.budget);
+    for (std::int64_t n = 1; task.snapshots && samples != nullptr && n < samples->samples; ++n) {
+        if (!is_rung(*task.snapshots, n)) continue;
+        const auto file = folder / snapshot_file(n);
+        write_exr(file, made_up_snapshot_image(task, n));
+        record.snapshots.push_back(made_up_snapshot(task, n));
+        record.snapshots.back().image_sha256 = sha256_hex(read_file(file));
+    }
     if (change) change(record);
     write_file_durably(folder / "record.json", record_to_json(record).dump(1));
     return folder;

@@ -135,6 +135,15 @@ TEST_F(ExperimentFileTest, WhatIsLeftOutHasItsDefault) {
     EXPECT_EQ(e.reference.seed_b.value, 1000002);
     EXPECT_EQ(e.metrics.at(0).value, "relmse.eps0.01");
     EXPECT_FALSE(e.baseline.has_value());
+    EXPECT_FALSE(e.snapshots.has_value());
+}
+
+TEST_F(ExperimentFileTest, SnapshotsHaveAFactorAndMayHaveAFirst) {
+    const auto snapshots = [this](const std::string& value) {
+        return read(kComplete + ("snapshots: " + value + "\n")).snapshots;
+    };
+    EXPECT_EQ(snapshots("2"), (SnapshotLadder{.first = 1, .factor = 2}));
+    EXPECT_EQ(snapshots("{factor: 4, first: 16}"), (SnapshotLadder{.first = 16, .factor = 4}));
 }
 
 struct Fault {
@@ -159,7 +168,7 @@ TEST_P(ExperimentFileFault, IsSaidWithItsPlace) {
 
 constexpr const char* kTopKeys =
     "known: name description scenes methods seeds budgets image reference include exclude "
-    "baseline metrics profiles claims";
+    "baseline metrics profiles claims snapshots";
 
 INSTANTIATE_TEST_SUITE_P(
     All, ExperimentFileFault,
@@ -214,6 +223,12 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"{seconds: 2}", "{seconds: 2, samples: 2}", "19:5: a budget has either"},
         Fault{"{seconds: 2}", "{samples: 16}", "19:5: this budget is listed twice"},
         Fault{"[3, 1, 2]", "[3, 1, 3]", "15:15: seed 3 is listed twice"},
+        Fault{"seeds: [3, 1, 2]", "seeds: 2\nsnapshots: 1",
+              "16:12: the factor of snapshots must be a decimal integer from 2 to 1000"},
+        Fault{"seeds: [3, 1, 2]", "seeds: 2\nsnapshots: {first: 4}",
+              "16:12: snapshots lacks 'factor'"},
+        Fault{"seeds: [3, 1, 2]", "seeds: 2\nsnapshots: {factor: 2, last: 4}",
+              "16:24: unknown key 'last'"},
         Fault{"[70, 71]", "[70, 70]", "21:52: the reference's halves must have different seeds"},
         Fault{"[70, 71]", "[70]", "21:47: the reference's seeds must be a list of two"},
         Fault{"  - {scene: [CornellBox, VeachMIS]}", "  - {}", "23:5: a rule must name an axis"},

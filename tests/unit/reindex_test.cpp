@@ -36,8 +36,14 @@ class ReindexTest : public testing::Test {
               "hex(value), run, valid, passes, threads, wall_seconds, cpu_seconds, rays, "
               "parameters, worker, finished_at) FROM results ORDER BY 1",
               "SELECT json_array(name, submitted_at_ms, file_sha256) FROM experiments ORDER BY 1",
-              "SELECT json_array(run, reference_a, reference_b, metric, value) FROM measurements "
+              "SELECT json_array(run, snapshot, reference_a, reference_b, metric, value) FROM "
+              "measurements ORDER BY 1",
+              "SELECT json_array(run, samples, passes, wall_seconds, cpu_seconds, rays) FROM "
+              "snapshots ORDER BY 1",
+              "SELECT json_array(run, reference_a, reference_b, share) FROM reference_noise "
               "ORDER BY 1",
+              "SELECT json_array(experiment, method, seed, metric, snapshot, passes, value) FROM "
+              "curves ORDER BY 1",
               "SELECT json_array(id, task, block, state) FROM tasks ORDER BY 1"}) {
             Statement select = database.prepare(sql);
             while (select.step()) rows.push_back(select.text(0));
@@ -51,7 +57,15 @@ class ReindexTest : public testing::Test {
         }
     }
 
-    const Plan first_ = made_up_plan("first", 3);
+    static Plan plan_with_snapshots() {
+        Plan plan = made_up_plan("first", 3);
+        for (Cell& cell : plan.cells) {
+            if (cell.role == Role::Test) cell.task.snapshots = SnapshotLadder{};
+        }
+        return plan;
+    }
+
+    const Plan first_ = plan_with_snapshots();
     const Plan second_ = made_up_plan("second", 4, TimeBudget{0.5, BudgetClock::Cpu});
     std::int64_t last_epoch_ = 0;
 

@@ -241,6 +241,21 @@ TEST_F(ResolveTest, APlanOfABuildWithoutClaimsIsRead) {
     EXPECT_EQ(plan_from_json(json), p);
 }
 
+TEST_F(ResolveTest, SnapshotsAreTakenOfTestedRunsOnly) {
+    const Plan without = plan(kExperiment);
+    const Plan with = plan(std::string(kExperiment) + "snapshots: {factor: 4, first: 2}\n");
+    EXPECT_THAT(with.configuration, HasSubstr(R"("snapshots":{"factor":4,"first":2})"));
+    ASSERT_EQ(with.cells.size(), without.cells.size());
+    for (std::size_t i = 0; i < with.cells.size(); ++i) {
+        Cell expected = without.cells[i];
+        if (expected.role == Role::Test) {
+            expected.task.snapshots = SnapshotLadder{.first = 2, .factor = 4};
+        }
+        EXPECT_EQ(with.cells[i], expected);
+    }
+    EXPECT_EQ(plan_from_json(plan_to_json(with)), with);
+}
+
 TEST_F(ResolveTest, AClaimIsAboutTheScenesThatHaveBothMethods) {
     const std::string rule = "exclude: [{scene: A, method: pt}]\n";
     EXPECT_THAT(plan(kExperiment + rule + kClaims).claims.front().scenes, ElementsAre("Pair/B"));

@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "renderer/base/error.h"
+#include "results/metrics/metrics.h"
+#include "results/reference_noise.h"
 #include "results/schema.h"
 #include "results/store.h"
 #include "tests/support/store_fixture.h"
@@ -16,6 +18,62 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 using StoreDatabaseTest = StoreTest;
+
+// --- snapshots and the reference's noise -------------------------------------------------------
+
+TEST_F(StoreDatabaseTest, MeasuresSnapshotsBesideTheImage) {
+    Plan plan = plan_;
+    for (Cell& cell : plan.cells) {
+        if (cell.role == Role::Test) cell.task.snapshots = SnapshotLadder{};
+    }
+    Store store = open();
+    store.put_experiment(plan);
+    commit_all(store, plan);
+    EXPECT_EQ(store.measure(plan), 6 * 5 * 2)
+        << "six runs, four snapshots and an image, two metrics";
+    EXPECT_EQ(store.measure(plan), 0);
+    EXPECT_EQ(store.measurements(plan).size(), 12U) << "the images' alone";
+    EXPECT_THAT(store.snapshot_measurements(plan, "relmse"), testing::IsEmpty());
+    const auto curve = store.snapshot_measurements(plan, "mse");
+    ASSERT_EQ(curve.size(), 24U);
+    const Image a = store.run_image(task_id(plan.cells[0].task));
+    const Image b = store.run_image(task_id(plan.cells[1].task));
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+        EXPECT_EQ(curve[i].samples, 1 << i % 4);
+        EXPECT_EQ(curve[i].passes, 1 << i % 4);
+        EXPECT_EQ(curve[i].cpu_seconds, 0.125 * double(1 << i % 4));
+        const Image image = store.snapshot_image(curve[i].run, curve[i].samples);
+        EXPECT_EQ(curve[i].value, measure(find_metric("mse"), image, {a, b}));
+    }
+}
+
+TEST_F(StoreDatabaseTest, KnowsTheReferencesShareOfEachError) {
+    Store store = open();
+    store.put_experiment(plan_);
+    commit_all(store, plan_);
+    EXPECT_TRUE(store.reference_shares(plan_).empty());
+    store.measure(plan_);
+    const auto shares = store.reference_shares(plan_);
+    EXPECT_EQ(shares.size(), 6U);
+    // Variances by samples: 1/16, a quarter of it for "clever", and 1/1024/2 of the reference.
+    const double of_plain = shares.at(task_id(made_up_task("plain", 1, SampleBudget{16})));
+    const double of_clever = shares.at(task_id(made_up_task("clever", 1, SampleBudget{16})));
+    // The halves have 96 values: within a factor of two.
+    EXPECT_THAT(of_plain * 129, testing::AllOf(testing::Gt(0.5), testing::Lt(2)));
+    EXPECT_THAT(of_clever * 33, testing::AllOf(testing::Gt(0.5), testing::Lt(2)));
+}
+
+TEST(ReferenceShare, IsOneWhereNothingElseIsLeftAndZeroWithoutNoise) {
+    const Image a(2, 2);
+    Image b(2, 2);
+    EXPECT_EQ(reference_share(a, {a, a}), 0);
+    b.rgb[0] = 2;
+    EXPECT_EQ(reference_share(b, {a, a}), 0);
+    EXPECT_DOUBLE_EQ(reference_share(a, {a, b}), 1) << "the image is one of the halves";
+    Image mean(2, 2);
+    mean.rgb[0] = 1;
+    EXPECT_EQ(reference_share(mean, {a, b}), 1);
+}
 
 // --- measurements ------------------------------------------------------------------------------
 

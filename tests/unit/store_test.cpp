@@ -63,6 +63,23 @@ TEST_F(StoreTest, CommitRefusesADamagedRun) {
     EXPECT_EQ(commit_made_up_run(store, task_), Recorded::New);
 }
 
+TEST_F(StoreTest, CommitChecksAndKeepsTheSnapshots) {
+    Store store = open();
+    Task task = task_;
+    task.snapshots = SnapshotLadder{};
+    const fs::path damaged = stage_made_up_run(store, task);
+    write_exr(damaged / "snapshot-000004.exr", Image(8, 4));
+    EXPECT_THAT(message_of(Errc::DataLoss, [&] { store.commit_run(damaged); }),
+                HasSubstr("snapshot-000004.exr': its bytes are not those its record names"));
+    fs::remove(damaged / "snapshot-000004.exr");
+    message_of(Errc::DataLoss, [&] { store.commit_run(damaged); });
+
+    EXPECT_EQ(commit_made_up_run(store, task), Recorded::New);
+    EXPECT_EQ(store.run(task_id(task))->snapshots.size(), 4U) << "after 1, 2, 4 and 8 samples";
+    EXPECT_EQ(store.snapshot_image(task_id(task), 4), made_up_snapshot_image(task, 4));
+    EXPECT_FALSE(store.has_run(task_id(task_))) << "one without snapshots is another run";
+}
+
 TEST_F(StoreTest, RunThatACrashLeftWithoutARowIsIndexedByTheNextWriter) {
     const std::string id = task_id(task_);
     {

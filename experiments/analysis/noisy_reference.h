@@ -1,0 +1,31 @@
+// Which cells of an experiment are compared with a reference that is too noisy for them, and the
+// same experiment with a better one.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "experiments/plan/experiment.h"
+#include "results/reference_noise.h"
+#include "results/store.h"
+
+namespace misbench {
+
+// Mean over the measured seeds of a cell.
+struct CellReferenceShare {
+    std::string scene;
+    std::string method;  // the user's label
+    Budget budget;
+    double share = 0;  // results/reference_noise.h
+    bool is_noisy() const { return share > kNoisyReference; }
+};
+// In the order of the plan; cells without a measured seed are left out.
+std::vector<CellReferenceShare> cell_reference_shares(const Store& store, const Plan& plan);
+
+// With `factor` times the samples in the halves of these scenes' references. Their seeds stay, so
+// the samples that are there are among the new ones.
+Plan with_better_references(Plan plan, const std::set<std::string>& scenes, std::int64_t factor);
+
+}  // namespace misbench
