@@ -7,6 +7,7 @@ packages=(
   build-essential ccache cmake git ninja-build
   libboost-dev libcli11-dev libeigen3-dev libembree-dev libgrpc++-dev libopenexr-dev libpng-dev
   libprotobuf-dev libpugixml-dev librandom123-dev libspdlog-dev libsqlite3-dev libssl-dev libstb-dev
+  libcairo2-dev libpango1.0-dev fonts-linuxlibertine pkg-config
   libyaml-cpp-dev nlohmann-json3-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
   libbenchmark-dev libgmock-dev libgtest-dev
 )

@@ -47,12 +47,25 @@ void add_report(CLI::App& app, Chosen& chosen) {
     verb.add_option("-o,--output", options->output, "default: STORE/report.html");
 }
 
+void add_figure(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<FigureOptions>();
+    CLI::App& verb =
+        add_verb(app, "figure", "draw a figure of a paper", figure_verb, options, chosen);
+    verb.add_option("file", options->file, "what it shows (YAML)")->required();
+    verb.add_option("--store", options->store, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "in place of the file's");
+    verb.add_option("-o,--output", options->output,
+                    "by its extension PDF, SVG, PNG, TikZ (.tex, with PNG files beside) or HTML")
+        ->required();
+}
+
 }  // namespace
 
 void add_result_verbs(CLI::App& app, Chosen& chosen) {
     add_table(app, chosen);
     add_claims(app, chosen);
     add_report(app, chosen);
+    add_figure(app, chosen);
 }
 
 }  // namespace misbench

@@ -137,6 +137,24 @@ void write_file(const std::filesystem::path& path, std::span<const ImageLayer> l
     write_file_durably(path, stream.bytes());
 }
 
+// Its one part, which covers the whole picture. Throws std::runtime_error.
+Imath::Box2i checked_window(const Imf::InputFile& file, std::size_t n_bytes) {
+    if (Imf::isMultiPart(file.version())) throw std::runtime_error("it has several parts");
+    const Imf::Header& header = file.header();
+    const Imath::Box2i window = header.dataWindow();
+    if (window != header.displayWindow()) {
+        throw std::runtime_error("its data window is not its display window");
+    }
+    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+    const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+    check_image_size(width, height);
+    if (width * height / kMaxPixelsPerByte > static_cast<std::int64_t>(n_bytes)) {
+        throw std::runtime_error("the file is too short for " + std::to_string(width) + " x " +
+                                 std::to_string(height) + " pixels");
+    }
+    return window;
+}
+
 }  // namespace
 
 void write_exr(const std::filesystem::path& path, const Image& image,
@@ -153,22 +171,10 @@ void write_exr_layers(const std::filesystem::path& path, std::span<const ImageLa
 Pixels decode_exr(const std::string& bytes) {
     ByteStream stream(bytes);
     Imf::InputFile file(stream, 0);
-    if (Imf::isMultiPart(file.version())) throw std::runtime_error("it has several parts");
-    const Imf::Header& header = file.header();
-    const Imath::Box2i window = header.dataWindow();
-    if (window != header.displayWindow()) {
-        throw std::runtime_error("its data window is not its display window");
-    }
-    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-    const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-    check_image_size(width, height);
-    if (width * height / kMaxPixelsPerByte > static_cast<std::int64_t>(bytes.size())) {
-        throw std::runtime_error("the file is too short for " + std::to_string(width) + " x " +
-                                 std::to_string(height) + " pixels");
-    }
-    const Channels channels = channels_of(header.channels());
-    Pixels pixels{.width = static_cast<int>(width),
-                  .height = static_cast<int>(height),
+    const Imath::Box2i window = checked_window(file, bytes.size());
+    const Channels channels = channels_of(file.header().channels());
+    Pixels pixels{.width = window.max.x - window.min.x + 1,
+                  .height = window.max.y - window.min.y + 1,
                   .n_channels = static_cast<int>(channels.size()),
                   .values = {}};
     std::vector<float> values(pixels.n_values());
@@ -190,6 +196,42 @@ Image read_exr(const std::filesystem::path& path) {
         image.height = pixels.height;
         image.rgb = std::get<std::vector<float>>(std::move(pixels.values));
         return image;
+    } catch (const std::exception& e) {
+        throw Error(Errc::DataLoss, "read image '" + path.string() + "': " + e.what());
+    }
+}
+
+std::vector<NamedImage> read_exr_layers(const std::filesystem::path& path) {
+    const std::string bytes = read_file(path);
+    try {
+        ByteStream stream(bytes);
+        Imf::InputFile file(stream, 0);
+        const Imath::Box2i window = checked_window(file, bytes.size());
+        const Imf::ChannelList& channels = file.header().channels();
+        std::vector<NamedImage> layers;
+        for (auto c = channels.begin(); c != channels.end(); ++c) {
+            const std::string channel = c.name();
+            const std::size_t dot = channel.rfind('.');
+            const std::string prefix = dot == std::string::npos ? "" : channel.substr(0, dot + 1);
+            if (channel != prefix + "R") continue;
+            for (const char* name : kColor) {
+                const Imf::Channel* found = channels.findChannel(prefix + name);
+                if (found == nullptr || found->xSampling != 1 || found->ySampling != 1) {
+                    throw std::runtime_error("its layer '" + prefix + "' is not R G B");
+                }
+            }
+            layers.push_back(
+                {prefix.substr(0, prefix.empty() ? 0 : prefix.size() - 1),
+                 Image(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1)});
+        }
+        Imf::FrameBuffer buffer;
+        for (NamedImage& layer : layers) {
+            insert(layer.image.rgb.data(), kColor, layer.name.empty() ? "" : layer.name + ".",
+                   window, buffer);
+        }
+        file.setFrameBuffer(buffer);
+        file.readPixels(window.min.y, window.max.y);
+        return layers;
     } catch (const std::exception& e) {
         throw Error(Errc::DataLoss, "read image '" + path.string() + "': " + e.what());
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -47,8 +48,15 @@ struct ImageLayer {
 void write_exr_layers(const std::filesystem::path& path, std::span<const ImageLayer> layers,
                       const std::map<std::string, std::string>& attributes = {});
 
-// An 8-bit sRGB PNG in memory of the image times 2^exposure, clamped to [0, 1]; non-finite pixels
+// All layers of a file that write_exr_layers wrote, in the order of their names; throws like
+// read_exr.
+std::vector<NamedImage> read_exr_layers(const std::filesystem::path& path);
+
+// The image times 2^exposure, clamped to [0, 1], in 8 bits of sRGB, interleaved; non-finite pixels
 // are magenta.
+std::vector<std::uint8_t> to_srgb_bytes(const Image& image, double exposure);
+// A PNG in memory. REQUIRES: `rgb` has 3 · width · height values.
+std::string encode_png(int width, int height, std::span<const std::uint8_t> rgb);
 std::string encode_png(const Image& image, double exposure);
 
 }  // namespace misbench
