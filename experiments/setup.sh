@@ -5,10 +5,10 @@ source_folder="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 
 packages=(
   build-essential ccache cmake git ninja-build
-  libboost-dev libcli11-dev libeigen3-dev libembree-dev libgrpc++-dev libjs-chart.js libopenexr-dev
-  libpng-dev libprotobuf-dev libpugixml-dev librandom123-dev libspdlog-dev libsqlite3-dev
-  libssl-dev libstb-dev libyaml-cpp-dev nlohmann-json3-dev protobuf-compiler
-  protobuf-compiler-grpc zlib1g-dev
+  fonts-linuxlibertine libboost-dev libcairo2-dev libcli11-dev libeigen3-dev libembree-dev
+  libgrpc++-dev libjs-chart.js libopenexr-dev libpango1.0-dev libpng-dev libprotobuf-dev
+  libpugixml-dev librandom123-dev libspdlog-dev libsqlite3-dev libssl-dev libstb-dev libyaml-cpp-dev
+  nlohmann-json3-dev pkg-config protobuf-compiler protobuf-compiler-grpc zlib1g-dev
   libbenchmark-dev libgmock-dev libgtest-dev
 )
 

@@ -44,13 +44,13 @@ std::optional<PixelMoments> read(const fs::path& path, const std::string& key, s
     std::error_code ignored;
     if (!fs::exists(path, ignored)) return std::nullopt;
     try {
-        ExrLayers file = read_exr_layers(path, std::array<std::string, 2>{"", kM2Layer});
+        ExrLayers file = read_exr_layers(path, std::vector<std::string>{"", kM2Layer});
         if (file.attributes[kRunsAttribute] != key) {
             throw Error(Errc::DataLoss, "read '" + path.string() + "': it is of other runs");
         }
         return PixelMoments{.n = static_cast<int>(n),
-                            .mean = std::move(file.images[0]),
-                            .m2 = std::move(file.images[1])};
+                            .mean = std::move(file.images[0].image),
+                            .m2 = std::move(file.images[1].image)};
     } catch (const Error& e) {
         spdlog::warn("moments passed over error={}", e.what());
         return std::nullopt;

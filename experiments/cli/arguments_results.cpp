@@ -214,6 +214,18 @@ void add_reference(CLI::App& app, Chosen& chosen) {
         ->capture_default_str();
 }
 
+void add_figure(CLI::App& app, Chosen& chosen) {
+    const auto options = std::make_shared<FigureOptions>();
+    CLI::App& verb =
+        add_verb(app, "figure", "draw a figure of a paper", figure_verb, options, chosen);
+    verb.add_option("file", options->file, "what it shows (YAML)")->required();
+    verb.add_option("--store", options->store, "results store")->required();
+    verb.add_option("--experiment", options->experiment, "in place of the file's");
+    verb.add_option("-o,--output", options->output,
+                    "by its extension PDF, SVG, PNG, TikZ (.tex, with PNG files beside) or HTML")
+        ->required();
+}
+
 }  // namespace
 
 void add_result_verbs(CLI::App& app, Chosen& chosen) {
@@ -228,6 +240,7 @@ void add_result_verbs(CLI::App& app, Chosen& chosen) {
     add_explain(app, chosen);
     add_tradeoff(app, chosen);
     add_reference(app, chosen);
+    add_figure(app, chosen);
 }
 
 }  // namespace misbench

@@ -183,6 +183,14 @@ struct TradeoffOptions {
 };
 int tradeoff_verb(const TradeoffOptions& options);
 
+struct FigureOptions {
+    std::string file;
+    std::string store;
+    std::string experiment;  // of all panels; "" for what the file says
+    std::string output;      // its extension is the format
+};
+int figure_verb(const FigureOptions& options);
+
 struct StoreOptions {
     std::string store;
 };

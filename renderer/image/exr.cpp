@@ -161,6 +161,17 @@ void write_file(const std::filesystem::path& path, std::span<const ImageLayer> l
     write_file_durably(path, stream.bytes());
 }
 
+// The names of layers with R G B, in the order of their channels: "" for a plain image's.
+std::vector<std::string> layer_names(const Imf::ChannelList& channels) {
+    std::vector<std::string> names;
+    for (auto c = channels.begin(); c != channels.end(); ++c) {
+        const std::string channel = c.name();
+        if (channel == "R") names.emplace_back();
+        if (channel.ends_with(".R")) names.push_back(channel.substr(0, channel.size() - 2));
+    }
+    return names;
+}
+
 }  // namespace
 
 void write_exr(const std::filesystem::path& path, const Image& image,
@@ -207,17 +218,20 @@ Image read_exr(const std::filesystem::path& path) {
     }
 }
 
-ExrLayers read_exr_layers(const std::filesystem::path& path, std::span<const std::string> names) {
+ExrLayers read_exr_layers(const std::filesystem::path& path,
+                          const std::optional<std::vector<std::string>>& names) {
     const std::string bytes = read_file(path);
     try {
         ByteStream stream(bytes);
         Imf::InputFile file(stream, 0);
         const Window window = window_of(file, bytes.size());
         ExrLayers layers;
-        layers.images.assign(names.size(), Image(window.width, window.height));
+        for (const std::string& name : names ? *names : layer_names(file.header().channels())) {
+            layers.images.push_back({name, Image(window.width, window.height)});
+        }
         Imf::FrameBuffer buffer;
-        for (std::size_t i = 0; i < names.size(); ++i) {
-            const std::string prefix = names[i].empty() ? "" : names[i] + ".";
+        for (auto& [name, image] : layers.images) {
+            const std::string prefix = name.empty() ? "" : name + ".";
             for (const char* color : kColor) {
                 const Imf::Channel* channel = file.header().channels().findChannel(prefix + color);
                 const bool fits = channel != nullptr && channel->type == Imf::FLOAT &&
@@ -226,7 +240,7 @@ ExrLayers read_exr_layers(const std::filesystem::path& path, std::span<const std
                     throw std::runtime_error("it has no float channel " + prefix + color);
                 }
             }
-            insert(layers.images[i].rgb.data(), kColor, prefix, window.box, buffer);
+            insert(image.rgb.data(), kColor, prefix, window.box, buffer);
         }
         file.setFrameBuffer(buffer);
         file.readPixels(window.box.min.y, window.box.max.y);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -47,16 +49,20 @@ struct ImageLayer {
 void write_exr_layers(const std::filesystem::path& path, std::span<const ImageLayer> layers,
                       const std::map<std::string, std::string>& attributes = {});
 
-// Layers of these names, of float, in this order, and all string attributes of the file. Throws
-// like read_exr, also when a layer is missing.
+// Layers of these names, of float, in this order (absent: all that have R G B), and all string
+// attributes of the file. Throws like read_exr, also when a layer is missing.
 struct ExrLayers {
-    std::vector<Image> images;
+    std::vector<NamedImage> images;
     std::map<std::string, std::string> attributes;
 };
-ExrLayers read_exr_layers(const std::filesystem::path& path, std::span<const std::string> names);
+ExrLayers read_exr_layers(const std::filesystem::path& path,
+                          const std::optional<std::vector<std::string>>& names = std::nullopt);
 
-// An 8-bit sRGB PNG in memory of the image times 2^exposure, clamped to [0, 1]; non-finite pixels
+// The image times 2^exposure, clamped to [0, 1], in 8 bits of sRGB, interleaved; non-finite pixels
 // are magenta.
+std::vector<std::uint8_t> to_srgb_bytes(const Image& image, double exposure);
+// A PNG in memory. REQUIRES: `rgb` has 3 · width · height values.
+std::string encode_png(int width, int height, std::span<const std::uint8_t> rgb);
 std::string encode_png(const Image& image, double exposure);
 
 }  // namespace misbench

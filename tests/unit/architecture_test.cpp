@@ -63,6 +63,8 @@ const std::vector<Owner> kOwners = {
     {"yaml-cpp/", {"experiments/plan"}},
     {"boost/", {"experiments/statistics", "experiments/lab"}},
     {"Eigen/", {"renderer/mis"}},
+    {"cairo", {"experiments/figure"}},
+    {"pango", {"experiments/figure"}},
     {"CLI/", {"experiments/cli", "coordinator", "worker"}},
     {"grpc", {"proto", "coordinator/rpc", "worker/rpc"}},
     {"google/protobuf", {"proto"}},

@@ -160,12 +160,14 @@ TEST(ExrLayers, ComeBackByTheirNamesWithTheAttributes) {
     const fs::path path = folder.path() / "two.exr";
     write_exr_layers(path, std::array{ImageLayer{"", &images[0]}, ImageLayer{"m2", &images[1]}},
                      {{"runs", "a b"}});
-    const ExrLayers layers = read_exr_layers(path, std::array<std::string, 2>{"m2", ""});
-    EXPECT_THAT(layers.images, ElementsAre(images[1], images[0]));
+    const ExrLayers layers = read_exr_layers(path, std::vector<std::string>{"m2", ""});
+    EXPECT_THAT(layers.images, ElementsAre(NamedImage{"m2", images[1]}, NamedImage{"", images[0]}));
+    const ExrLayers all = read_exr_layers(path);
+    EXPECT_THAT(all.images, ElementsAre(NamedImage{"", images[0]}, NamedImage{"m2", images[1]}));
     EXPECT_EQ(layers.attributes.at("runs"), "a b");
-    EXPECT_THAT(message_of(Errc::DataLoss,
-                           [&] { read_exr_layers(path, std::array<std::string, 1>{"m3"}); }),
-                HasSubstr("it has no float channel m3.R"));
+    EXPECT_THAT(
+        message_of(Errc::DataLoss, [&] { read_exr_layers(path, std::vector<std::string>{"m3"}); }),
+        HasSubstr("it has no float channel m3.R"));
 }
 
 }  // namespace

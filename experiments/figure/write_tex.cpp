@@ -1,0 +1,113 @@
+// TikZ, and the choice of a format.
+#include <fmt/format.h>
+
+#include "experiments/figure/write.h"
+#include "experiments/report/table_formats.h"
+#include "renderer/base/error.h"
+#include "renderer/base/files.h"
+#include "renderer/image/image.h"
+
+namespace misbench::figure {
+namespace {
+
+std::string definition(const Colour& colour) {
+    return fmt::format(
+        "{{rgb,255:red,{};green,{};blue,{}}}", static_cast<int>(255 * colour.red + 0.5),
+        static_cast<int>(255 * colour.green + 0.5), static_cast<int>(255 * colour.blue + 0.5));
+}
+
+// TeX's big points are the others' points, and its y goes upwards.
+class TexWriter {
+ public:
+    explicit TexWriter(std::string stem) : stem_(std::move(stem)) {}
+
+    void operator()(const Picture& picture) {
+        const Raster& raster = picture.raster;
+        files_.pictures.push_back(encode_png(raster.width, raster.height, raster.rgb));
+        files_.tex += fmt::format(
+            "\\node[inner sep=0, anchor=north west] at ({:.3f}bp,{:.3f}bp) "
+            "{{\\includegraphics[width={:.3f}bp, height={:.3f}bp]{{{}-{}.png}}}};\n",
+            picture.box.x, -picture.box.y, picture.box.width, picture.box.height, stem_,
+            files_.pictures.size());
+    }
+
+    void operator()(const Shape& shape) {
+        std::string options;
+        if (shape.fill) {
+            options += fmt::format("fill={}, fill opacity={}, ", definition(*shape.fill),
+                                   shape.fill_opacity);
+        }
+        if (shape.stroke) {
+            options += fmt::format("draw={}, line width={}bp, ", definition(*shape.stroke),
+                                   shape.line_width);
+            if (!shape.dashes.empty()) {
+                options += "dash pattern=";
+                for (std::size_t i = 0; i < shape.dashes.size(); ++i) {
+                    options += fmt::format("{} {}bp ", i % 2 == 0 ? "on" : "off", shape.dashes[i]);
+                }
+            }
+        }
+        std::string points;
+        for (const Point& p : shape.points) {
+            points += fmt::format("{}({:.3f}bp,{:.3f}bp)", points.empty() ? "" : " -- ", p.x, -p.y);
+        }
+        files_.tex +=
+            fmt::format("\\path[{}] {}{};\n", options, points, shape.closed ? " -- cycle" : "");
+    }
+
+    void operator()(const Label& label) {
+        constexpr const char* kAnchors[] = {"base west", "base", "base east"};
+        files_.tex += fmt::format(
+            "\\node[inner sep=0, anchor={}, text={}{}, font=\\fontsize{{{}bp}}{{{}bp}}"
+            "\\selectfont{}] at ({:.3f}bp,{:.3f}bp) {{{}}};\n",
+            kAnchors[static_cast<int>(label.anchor)], definition(label.colour),
+            label.upwards ? ", rotate=90" : "", label.size, 1.2 * label.size,
+            label.bold ? "\\bfseries" : "", label.at.x, -label.at.y, escape_latex(label.text));
+    }
+
+    TexFiles& files() { return files_; }
+
+ private:
+    std::string stem_;
+    TexFiles files_;
+};
+
+}  // namespace
+
+TexFiles to_tex(const Drawing& drawing, const std::string& stem, const About& about) {
+    TexWriter writer(stem);
+    writer.files().tex = fmt::format(
+        "% {}\n% Needs \\usepackage{{tikz}}; \\input where the figure shall be.\n"
+        "\\begin{{tikzpicture}}\n\\useasboundingbox (0,0) rectangle ({:.3f}bp,{:.3f}bp);\n",
+        about.title, drawing.width, -drawing.height);
+    for (const Item& item : drawing.items) std::visit(writer, item);
+    writer.files().tex += "\\end{tikzpicture}%\n";
+    return writer.files();
+}
+
+void write_figure(const std::filesystem::path& path, const Drawing& drawing,
+                  const Typeface& typeface, const About& about) {
+    const std::string extension = path.extension();
+    if (extension == ".pdf") {
+        write_file_durably(path, to_pdf(drawing, typeface, about));
+    } else if (extension == ".svg") {
+        write_file_durably(path, to_svg(drawing, typeface, about));
+    } else if (extension == ".png") {
+        write_file_durably(path, to_png(drawing, typeface));
+    } else if (extension == ".html") {
+        write_file_durably(path, to_html(drawing, typeface, about));
+    } else if (extension == ".tex") {
+        const std::string stem = path.stem();
+        const TexFiles files = to_tex(drawing, stem, about);
+        for (std::size_t i = 0; i < files.pictures.size(); ++i) {
+            write_file_durably(path.parent_path() / fmt::format("{}-{}.png", stem, i + 1),
+                               files.pictures[i]);
+        }
+        write_file_durably(path, files.tex);
+    } else {
+        throw Error(Errc::InvalidArgument, fmt::format("write '{}': unknown extension; known: {}",
+                                                       path.string(), fmt::join(kFormats, " ")));
+    }
+}
+
+}  // namespace misbench::figure
