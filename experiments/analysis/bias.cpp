@@ -92,7 +92,11 @@ BiasCell tested_cell(const Renders& method, const Renders& against, const BiasOp
 BiasFinding finding_of(const BiasCell& cell, double alpha) {
     if (!cell.test) return BiasFinding::NotEnoughSeeds;
     if (cell.test->strongest() == nullptr) return BiasFinding::NothingToTest;
-    if (cell.adjusted_p <= alpha) return BiasFinding::Biased;
+    if (cell.adjusted_p <= alpha) {
+        const bool all_within = std::ranges::all_of(
+            cell.test->scales, [alpha](const ScaleTest& s) { return s.equivalence_p <= alpha; });
+        return all_within ? BiasFinding::Negligible : BiasFinding::Biased;
+    }
     return cell.test->scales.back().equivalence_p <= alpha ? BiasFinding::Equivalent
                                                            : BiasFinding::NotFound;
 }
@@ -117,6 +121,8 @@ std::string to_string(BiasFinding finding) {
     switch (finding) {
         case BiasFinding::Biased:
             return "biased";
+        case BiasFinding::Negligible:
+            return "within margin";
         case BiasFinding::Equivalent:
             return "equivalent (image)";
         case BiasFinding::NotFound:

@@ -23,6 +23,7 @@ struct BiasOptions {
 
 enum class BiasFinding {
     Biased,          // at some scale, even where the whole image is equivalent
+    Negligible,      // biased, but every tile that is not dark lies within the margin
     Equivalent,      // no bias found, and the whole image lies within the margin
     NotFound,        // no bias found; what would have been is ImageTest's detectable bias
     NothingToTest,   // the same images: equal methods, or without noise

@@ -1,8 +1,9 @@
 // What each verb of `misbench` is told and does. The files arguments*.cpp know the command line's
 // syntax; a verb returns its exit code or throws Error.
 //
-// Exit codes: 0 done; 1 some tasks failed, a scene has warnings, or stores differ; 2 usage or
-// experiment; 3 store; 4 coordinator out of reach; 70 a bug of ours; 130 interrupted.
+// Exit codes: 0 done; 1 some tasks failed, a scene has warnings, stores differ, or a self-test does
+// not pass; 2 usage or experiment; 3 store; 4 coordinator out of reach; 70 a bug of ours; 130
+// interrupted.
 #pragma once
 
 #include <cstdint>

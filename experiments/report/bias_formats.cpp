@@ -50,7 +50,9 @@ std::string finding_of(const BiasCell& cell) {
 
 std::string strongest_of(const BiasCell& cell) {
     const TileDifference* tile = cell.test ? cell.test->strongest() : nullptr;
-    if (tile == nullptr || cell.finding != BiasFinding::Biased) return "";
+    const bool is_found =
+        cell.finding == BiasFinding::Biased || cell.finding == BiasFinding::Negligible;
+    if (tile == nullptr || !is_found) return "";
     return fmt::format("{} in {}", bias_of(*tile), where_of(tile->tile));
 }
 
@@ -81,7 +83,8 @@ std::vector<std::string> footer_of(const Bias& bias) {
         fmt::format("* images differ from those of {}, at a rate of false findings of {} over all "
                     "scenes and methods (Benjamini and Hochberg); that one is taken for unbiased",
                     bias.against, percent(bias.alpha)),
-        fmt::format("equivalent: the whole image is within ±{} (two one-sided tests)",
+        fmt::format("equivalent: the whole image is within ±{0} (two one-sided tests); within "
+                    "margin: images differ, but every tile that is not dark is within ±{0}",
                     percent(bias.margin)),
         fmt::format("detectable: the bias of one tile that is found in {:.0f} of 100 experiments, "
                     "relative to the tile; median over tiles",

@@ -25,7 +25,8 @@ nlohmann::ordered_json curve_to_json(const Curve& curve) {
 
 nlohmann::ordered_json metric_to_json(const Store& store, const Plan& plan,
                                       const std::string& metric) {
-    auto json = nlohmann::ordered_json::parse(to_json(compare(store, plan, metric)));
+    const Comparison comparison = compare(store, plan, metric);
+    auto json = nlohmann::ordered_json::parse(to_json({&comparison, 1}));
     json["curves"] = nlohmann::ordered_json::array();
     for (const Curve& curve : convergence(store, plan, metric)) {
         json["curves"].push_back(curve_to_json(curve));

@@ -80,6 +80,9 @@ TEST_F(BiasTest, IsFoundWhereItIs) {
     EXPECT_EQ(map.rgb[pixel + 2], 1);
     EXPECT_GT(map.rgb[0], 0.2);
 
+    EXPECT_EQ(find_bias(store, planned, {.margin = 0.9}).cells.front().finding,
+              BiasFinding::Negligible);
+
     EXPECT_THAT(to_text(bias_table(bias)), HasSubstr("x 16…23, y 8…15"));
     EXPECT_THAT(to_markdown(bias_table(bias)), HasSubstr("| biased \\*"));
     const auto json = nlohmann::json::parse(bias_to_json(bias));
