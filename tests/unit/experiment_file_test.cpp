@@ -200,6 +200,13 @@ INSTANTIATE_TEST_SUITE_P(
               "15:8: seeds, a count or a list, must be a decimal integer from 1 to 100000: found "
               "'100001'"},
         Fault{"[3, 1, 2]", "[]", "15:8: seeds must not be empty"},
+        Fault{"[3, 1, 2]", "{min: 2, max: 9, until: {ratio_halfwidth: 0.1}}",
+              "15:14: min must be a decimal integer from 3 to"},
+        Fault{"[3, 1, 2]", "{min: 5, max: 4, until: {ratio_halfwidth: 0.1}}",
+              "15:22: max must be a decimal integer from 5 to"},
+        Fault{"[3, 1, 2]", "{min: 5, max: 9, until: {ratio_halfwidth: 0}}",
+              "15:50: ratio_halfwidth must be above 0 and at most 1: found '0'"},
+        Fault{"[3, 1, 2]", "{min: 5, max: 9}", "15:8: seeds lacks 'until'"},
         Fault{"max_depth: 5", "max_depth: 05", "13:16: max_depth: '05' is not a decimal integer"},
         Fault{"max_depth: 5", "max_depth: [5]", "13:16: max_depth must be a single value: found a"},
         Fault{"exposure: -1.5", "exposure: bright", "7:15: exposure must be a number: found 'bri"},
