@@ -42,6 +42,8 @@ void draw(cairo_t* cairo, const Typeface&, const Picture& picture) {
 }
 
 void draw(cairo_t* cairo, const Typeface&, const Shape& shape) {
+    // Text leaves its end as the current point, from which a line would be drawn.
+    cairo_new_path(cairo);
     for (const Point& p : shape.points) cairo_line_to(cairo, p.x, p.y);
     if (shape.closed) cairo_close_path(cairo);
     if (shape.fill) {
