@@ -29,6 +29,8 @@ struct Image {
 struct NamedImage {
     std::string name;
     Image image;
+
+    bool operator==(const NamedImage&) const = default;
 };
 
 // Float RGB, uncompressed (Monte Carlo noise does not compress), with string attributes in the
