@@ -59,7 +59,7 @@ INSERT INTO cells SELECT 'million', i, 'scene' || scene, 'method' || method, '16
 INSERT INTO runs SELECT id, '', '', 8, 8, 'path', 1, '{{}}', '16 spp', 1, 1, 16, 1, 1.5,
     2.5 + seed % 7, 1000, 0, 0, 0, 0.0, 'worker', 1, '', 'build', 'cpu', 'isa', 'compiler', '', 'host'
     FROM (SELECT id, seed FROM n UNION ALL SELECT 'a', 1 UNION ALL SELECT 'b', 1);
-INSERT INTO measurements SELECT id, 'a', 'b', metric,
+INSERT INTO measurements SELECT id, 0, 'a', 'b', metric,
     (1 + ((i * 7919 + seed * 104729) % 1000) / 1000.0) * pow(0.97, method)
     FROM n, (SELECT 'mse' AS metric UNION ALL SELECT 'relmse.eps0.01'
              UNION ALL SELECT 'relmse.eps0.01.trim0.001' UNION ALL SELECT 'm4' UNION ALL SELECT 'm5');
