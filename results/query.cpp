@@ -53,13 +53,15 @@ Query::Query(const std::filesystem::path& store, std::string_view sql)
 Query::~Query() = default;
 
 bool Query::next(std::vector<QueryValue>& row) {
+    if (is_at_end_) return false;  // where SQLite would begin again
     try {
-        if (!statement_->step()) return false;
+        is_at_end_ = !statement_->step();
     } catch (const Error& e) {
         // What fails for what it asks, such as a sum that overflows.
         if (e.code() != Errc::Internal) throw;
         throw Error(Errc::InvalidArgument, std::string("query: ") + e.what());
     }
+    if (is_at_end_) return false;
     row.clear();
     for (int c = 0; c < statement_->n_columns(); ++c) row.push_back(value_of(*statement_, c));
     return true;

@@ -34,6 +34,7 @@ class Query {
     std::unique_ptr<Database> database_;
     std::unique_ptr<Statement> statement_;
     std::vector<std::string> columns_;
+    bool is_at_end_ = false;
 };
 
 // The statements that made what is there to ask, with what they say about it.

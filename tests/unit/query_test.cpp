@@ -38,6 +38,7 @@ TEST_F(QueryTest, ReadsValuesOfEveryKind) {
     EXPECT_THAT(row, ElementsAre(QueryValue(std::int64_t{12}), QueryValue(0.5), QueryValue(nullptr),
                                  QueryValue(std::string("x")), QueryValue(std::string("00ff"))));
     EXPECT_FALSE(query.next(row));
+    EXPECT_FALSE(query.next(row));
 }
 
 TEST_F(QueryTest, RefusesWhatDoesNotRead) {
