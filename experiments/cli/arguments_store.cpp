@@ -64,7 +64,8 @@ void add_export(CLI::App& app, Chosen& chosen) {
     verb.add_option("--format", options->format, "exr or png")
         ->check(CLI::IsMember({"exr", "png"}))
         ->capture_default_str();
-    verb.add_option("--what", options->what, "runs, means over seeds, references or all")
+    verb.add_option("--what", options->what,
+                    "runs, means over seeds with their standard errors, references or all")
         ->check(CLI::IsMember({"runs", "means", "references", "all"}))
         ->capture_default_str();
 }

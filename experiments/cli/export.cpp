@@ -121,9 +121,10 @@ class Exporter {
             }
         }
         if (!wants("means")) return;
-        const auto mean =
-            mean_image(store_, finished_runs(store_, plan_, scene.name, method, budget));
-        if (mean) write(folder + "mean", *mean, scene);
+        const auto runs = finished_runs(store_, plan_, scene.name, method, budget);
+        if (const auto mean = mean_image(store_, runs)) write(folder + "mean", *mean, scene);
+        const auto error = standard_error_image(store_, runs);
+        if (error) write(folder + "standard_error", *error, scene);
     }
 
     const ExportOptions& options_;

@@ -71,9 +71,10 @@ class StoresTest : public testing::Test {
 
 TEST_F(StoresTest, ExportedImagesMakeTheSameTableElsewhere) {
     EXPECT_THAT(result_of({"export", file("store"), "--images", file("images")}),
-                StartsWith("13 images of experiment 'tiny'"));
+                StartsWith("15 images of experiment 'tiny'"));
     EXPECT_TRUE(fs::exists(file("images/CornellBox/mis/2_spp/seed3.exr")));
     EXPECT_TRUE(fs::exists(file("images/CornellBox/mis/2_spp/mean.exr")));
+    EXPECT_TRUE(fs::exists(file("images/CornellBox/mis/2_spp/standard_error.exr")));
     EXPECT_THAT(result_of({"import", file("elsewhere"), "--experiment", "tiny", "--list",
                            file("images/images.csv")}),
                 StartsWith("10 imported, 0 there before, 8 errors measured"));
