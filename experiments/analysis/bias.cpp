@@ -89,30 +89,28 @@ BiasCell tested_cell(const Renders& method, const Renders& against, const BiasOp
     return cell;
 }
 
+bool is_too_bright_somewhere(const ImageTest& test, double alpha) {
+    const auto n_scales = static_cast<double>(test.scales.size());
+    return std::ranges::any_of(test.scales, [&](const ScaleTest& scale) {
+        return std::ranges::any_of(scale.tiles, [&](const TileDifference& tile) {
+            return tile.first > tile.second && n_scales * tile.adjusted_p <= alpha;
+        });
+    });
+}
+
 BiasFinding finding_of(const BiasCell& cell, double alpha) {
     if (!cell.test) return BiasFinding::NotEnoughSeeds;
     if (cell.test->strongest() == nullptr) return BiasFinding::NothingToTest;
     if (cell.adjusted_p <= alpha) {
         const bool all_within = std::ranges::all_of(
             cell.test->scales, [alpha](const ScaleTest& s) { return s.equivalence_p <= alpha; });
-        return all_within ? BiasFinding::Negligible : BiasFinding::Biased;
+        if (all_within) return BiasFinding::Negligible;
+        const bool may_be_rare = cell.test->rare_share > kMostInRareSamples &&
+                                 !is_too_bright_somewhere(*cell.test, alpha);
+        return may_be_rare ? BiasFinding::DarkOrRare : BiasFinding::Biased;
     }
     return cell.test->scales.back().equivalence_p <= alpha ? BiasFinding::Equivalent
                                                            : BiasFinding::NotFound;
-}
-
-// p values of cells that have a test, adjusted for each other; then what follows from them.
-void decide(std::vector<BiasCell>& cells, double alpha) {
-    std::vector<double> p;
-    std::vector<BiasCell*> tested;
-    for (BiasCell& cell : cells) {
-        if (!cell.test || cell.test->strongest() == nullptr) continue;
-        tested.push_back(&cell);
-        p.push_back(cell.test->p_value);
-    }
-    const std::vector<double> adjusted = benjamini_hochberg(p);
-    for (std::size_t i = 0; i < tested.size(); ++i) tested[i]->adjusted_p = adjusted[i];
-    for (BiasCell& cell : cells) cell.finding = finding_of(cell, alpha);
 }
 
 }  // namespace
@@ -121,6 +119,8 @@ std::string to_string(BiasFinding finding) {
     switch (finding) {
         case BiasFinding::Biased:
             return "biased";
+        case BiasFinding::DarkOrRare:
+            return "dark, or rare samples";
         case BiasFinding::Negligible:
             return "within margin";
         case BiasFinding::Equivalent:
@@ -133,6 +133,19 @@ std::string to_string(BiasFinding finding) {
             break;
     }
     return "not enough seeds";
+}
+
+void decide(std::vector<BiasCell>& cells, double alpha) {
+    std::vector<double> p;
+    std::vector<BiasCell*> tested;
+    for (BiasCell& cell : cells) {
+        if (!cell.test || cell.test->strongest() == nullptr) continue;
+        tested.push_back(&cell);
+        p.push_back(cell.test->p_value);
+    }
+    const std::vector<double> adjusted = benjamini_hochberg(p);
+    for (std::size_t i = 0; i < tested.size(); ++i) tested[i]->adjusted_p = adjusted[i];
+    for (BiasCell& cell : cells) cell.finding = finding_of(cell, alpha);
 }
 
 Bias find_bias(const Store& store, const Plan& plan, const BiasOptions& options) {

@@ -23,6 +23,7 @@ struct BiasOptions {
 
 enum class BiasFinding {
     Biased,          // at some scale, even where the whole image is equivalent
+    DarkOrRare,      // too dark in tiles, but rare samples carry its light: seeds may miss them
     Negligible,      // biased, but every tile that is not dark lies within the margin
     Equivalent,      // no bias found, and the whole image lies within the margin
     NotFound,        // no bias found; what would have been is ImageTest's detectable bias
@@ -30,6 +31,10 @@ enum class BiasFinding {
     NotEnoughSeeds,  // fewer than kFewestForInterval valid runs on either side
 };
 std::string to_string(BiasFinding finding);  // "biased"
+
+// A method with more of its light in rare samples (ImageTest::rare_share) is not called biased for
+// being dark where few seeds found none: no test tells that from bias.
+inline constexpr double kMostInRareSamples = 0.05;
 
 // One scene and method.
 struct BiasCell {
@@ -56,6 +61,9 @@ struct Bias {
     double alpha = 0;
     std::vector<BiasCell> cells;  // by scene, then method, in the plan's order
 };
+
+// Adjusts the p values of cells that have a test for each other, and finds what follows from them.
+void decide(std::vector<BiasCell>& cells, double alpha);
 
 // Throws ParameterError for a method or budget that the plan does not have.
 Bias find_bias(const Store& store, const Plan& plan, const BiasOptions& options);

@@ -50,8 +50,9 @@ std::string finding_of(const BiasCell& cell) {
 
 std::string strongest_of(const BiasCell& cell) {
     const TileDifference* tile = cell.test ? cell.test->strongest() : nullptr;
-    const bool is_found =
-        cell.finding == BiasFinding::Biased || cell.finding == BiasFinding::Negligible;
+    const bool is_found = cell.finding == BiasFinding::Biased ||
+                          cell.finding == BiasFinding::Negligible ||
+                          cell.finding == BiasFinding::DarkOrRare;
     if (tile == nullptr || !is_found) return "";
     return fmt::format("{} in {}", bias_of(*tile), where_of(tile->tile));
 }
@@ -89,8 +90,14 @@ std::vector<std::string> footer_of(const Bias& bias) {
         fmt::format("detectable: the bias of one tile that is found in {:.0f} of 100 experiments, "
                     "relative to the tile; median over tiles",
                     100 * kPower),
-        "p values of the smallest tiles from 0 to 1: level without bias, high at the left with it",
-        "a method whose rare bright samples none of its seeds met looks too dark: more seeds tell"};
+        "p values of the smallest tiles from 0 to 1: level without bias, high at the left with it"};
+    if (any([](const BiasCell& cell) { return cell.finding == BiasFinding::DarkOrRare; })) {
+        footer.push_back(
+            fmt::format("dark, or rare samples: more than {} of the method's light lies in tiles "
+                        "over {:.0f} times too bright, so dark ones may be those that no seed has "
+                        "met yet; more seeds tell",
+                        percent(kMostInRareSamples), kRareTimes));
+    }
     if (any([](const BiasCell& cell) { return cell.few_passes; })) {
         footer.push_back(few_passes_footnote() +
                          "; a time budget that ends after few passes is itself a bias");
@@ -181,11 +188,13 @@ std::string bias_to_json(const Bias& bias) {
                                       {"is_paired", nullptr},
                                       {"p", nullptr},
                                       {"p_adjusted", nullptr},
+                                      {"rare_share", nullptr},
                                       {"scales", nlohmann::ordered_json::array()}};
         if (cell.test) {
             row["is_paired"] = cell.test->is_paired;
             row["p"] = cell.test->p_value;
             row["p_adjusted"] = cell.adjusted_p;
+            row["rare_share"] = cell.test->rare_share;
             for (const ScaleTest& scale : cell.test->scales) {
                 row["scales"].push_back(scale_to_json(cell, scale));
             }

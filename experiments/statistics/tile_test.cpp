@@ -184,6 +184,22 @@ void judge(Measured& tile, double typical_error) {
     test.p_value = is_noisy ? two_sided_p(test.z(), test.degrees_of_freedom) : test.guarded_p;
 }
 
+double share_of_rare_samples(std::span<const TileSums> first, std::span<const TileSums> second) {
+    double all = 0;
+    double rare = 0;
+    for (std::size_t i = 0; i < first[0].sums.size(); ++i) {
+        double expected = 0;
+        for (const TileSums& image : second) {
+            expected += image.sums[i] / static_cast<double>(second.size());
+        }
+        for (const TileSums& image : first) {
+            all += image.sums[i];
+            if (image.sums[i] > kRareTimes * expected) rare += image.sums[i];
+        }
+    }
+    return all > 0 ? rare / all : 0;
+}
+
 // The tests of one scale but for what depends on the number of scales.
 ScaleTest test_scale(std::span<const TileSums> first, std::span<const TileSums> second, int side,
                      double image_mean, const TileTestOptions& options) {
@@ -311,6 +327,7 @@ ImageTest test_tiles(std::span<const TileSums> first, std::span<const TileSums> 
     if (const TileDifference* strongest = test.strongest()) {
         test.p_value = std::min(1.0, n_scales * strongest->adjusted_p);
     }
+    test.rare_share = share_of_rare_samples(first, second);
     return test;
 }
 

@@ -25,6 +25,8 @@ namespace misbench {
 inline constexpr std::array kTileSides = {8, 32, 128};
 // Of minimum detectable biases.
 inline constexpr double kPower = 0.8;
+// A tile of one seed this many times brighter than it should be shows a rare sample.
+inline constexpr double kRareTimes = 4;
 
 // One render: sums over the tiles of the smallest side, row by row, of the mean of the channels.
 struct TileSums {
@@ -74,6 +76,9 @@ struct ImageTest {
     std::vector<ScaleTest> scales;  // the smallest tiles first, then up to the whole image
     // That there is no bias at any scale: the smallest adjusted p times the number of scales.
     double p_value = 1;
+    // Part of the first's light that lies in rare samples: in values of the smallest tiles, over
+    // all seeds, above kRareTimes the second's mean.
+    double rare_share = 0;
 
     // The tile of the smallest adjusted p; null where no tile has a test.
     const TileDifference* strongest() const;
@@ -113,7 +118,8 @@ struct TileTestOptions {
 //     0.5       0.1        15.7     0.3      21.0     0.0      18.0     0.0
 //     1         0.1        83.0     0.3      91.0     0.3      81.7     0.7
 //
-// Not guarded against is what no seed of a whole neighbourhood shows: caustics that are never hit.
+// Not guarded against is what no seed of a whole neighbourhood shows: caustics that are never hit,
+// and light so rare that most tiles have none of it. `rare_share` tells of such methods.
 //
 // How often the loss of a part of the light in 16 tiles of the 144 is found at level 1 %, spread of
 // tile means 0.1, by independent seeds and by pairs that do not correlate; beside it the test of

@@ -90,6 +90,47 @@ TEST_F(BiasTest, IsFoundWhereItIs) {
     EXPECT_THAT(bias_to_csv(bias), HasSubstr("Box,clever,biased,8,8,"));
 }
 
+// Tiles are black but for one in fifty, which is fifty times too bright; `light` of all that.
+std::vector<TileSums> rare_images(int n, double light) {
+    std::mt19937_64 random(11);
+    std::bernoulli_distribution is_met(0.02);
+    std::vector<TileSums> images;
+    for (int i = 0; i < n; ++i) {
+        TileSums& image = images.emplace_back(TileSums{.width = 96, .height = 96, .sums = {}});
+        for (int tile = 0; tile < 144; ++tile) {
+            image.sums.push_back(is_met(random) ? 64 * 50 * light : 0);
+        }
+    }
+    return images;
+}
+
+// Against images of calm noise, and as `find_bias` decides for a single cell.
+BiasFinding finding_against_calm(const std::vector<TileSums>& images) {
+    std::mt19937_64 random(12);
+    std::normal_distribution<double> noise(64, 6.4);
+    std::vector<TileSums> calm = images;
+    for (TileSums& image : calm) {
+        for (double& sum : image.sums) sum = noise(random);
+    }
+    BiasCell cell;
+    cell.test = test_tiles(images, calm, {});
+    std::vector<BiasCell> cells{cell};
+    decide(cells, 0.01);
+    return cells.front().finding;
+}
+
+TEST(BiasFindings, DarkTilesOfAMethodOfRareSamplesAreNoProof) {
+    EXPECT_EQ(finding_against_calm(rare_images(6, 1)), BiasFinding::DarkOrRare);
+    // Calm light that is lost is.
+    std::vector<TileSums> dim = rare_images(6, 0);
+    for (TileSums& image : dim) std::ranges::fill(image.sums, 32);
+    EXPECT_EQ(finding_against_calm(dim), BiasFinding::Biased);
+    // So is light where there should be less, whatever else is rare.
+    std::vector<TileSums> leaking = rare_images(6, 1);
+    for (TileSums& image : leaking) image.sums[7] = 1000;
+    EXPECT_EQ(finding_against_calm(leaking), BiasFinding::Biased);
+}
+
 TEST_F(BiasTest, IsNotFoundWhereThereIsNone) {
     const Plan planned = plan(8);
     const Store store = filled(planned, 0);
