@@ -23,8 +23,8 @@ struct Tick {
     double value = 0;
     std::string label;  // "" for a small one
 };
-// Within the axis; of a logarithmic one the powers of ten and small ticks between, or 1, 2, 5 of
-// each where there are few decades.
+// Within the axis, two labels at least; of a logarithmic one the powers of ten and small ticks
+// between, or 1, 2, 5 of each where there are few decades, or even steps where there is hardly one.
 std::vector<Tick> ticks(const Axis& axis);
 
 // An axis around all of the values, with some room at both ends. REQUIRES: values are not empty,
@@ -60,7 +60,7 @@ struct LegendEntry {
 double draw_legend(Drawing& drawing, const Style& style, std::span<const LegendEntry> entries,
                    double top);
 
-// A small mark: disk, square, triangle, diamond in turn, for readers who see no colours.
+// A small mark for readers who see no colours: of six shapes in turn, then the same hollow.
 void add_marker(Drawing& drawing, Point at, std::size_t index, Colour colour);
 
 }  // namespace misbench::figure

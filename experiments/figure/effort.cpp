@@ -24,9 +24,9 @@ struct Series {
 
 double effort_of(const CurvePoint& point, Effort effort) {
     switch (effort) {
-        case Effort::CpuSeconds:
+        case Effort::Cpu:
             return point.cpu_seconds;
-        case Effort::WallSeconds:
+        case Effort::Wall:
             return point.wall_seconds;
         case Effort::Passes:
             return point.passes;
@@ -36,7 +36,7 @@ double effort_of(const CurvePoint& point, Effort effort) {
 
 std::string name_of(Effort effort) {
     return effort == Effort::Passes       ? "samples a pixel"
-           : effort == Effort::CpuSeconds ? "CPU seconds"
+           : effort == Effort::Cpu ? "CPU seconds"
                                           : "seconds";
 }
 
@@ -139,7 +139,10 @@ void draw_plot(Drawing& drawing, const Style& style, const Box& box, const Query
     }
     if (xs.empty()) {
         add_fitting(drawing, style,
-                    {.at = box.centre(), .text = title + ": no run", .anchor = Anchor::Middle},
+                    {.at = box.centre(),
+                     .text = title + ": no run",
+                     .size = style.font_size,
+                     .anchor = Anchor::Middle},
                     box.width);
         return;
     }
@@ -167,7 +170,7 @@ void draw_plot(Drawing& drawing, const Style& style, const Box& box, const Query
 
 double draw_effort(Drawing& drawing, const Style& style, const Store& store, const Panel& panel,
                    double top) {
-    const Query query = ask(store, panel, false, false);
+    const Query query = ask(store, panel, false);
     const std::vector<Curve> curves = convergence(store, query.plan, query.comparison.metric);
     const auto& effort = std::get<EffortPanel>(panel.kind);
     double y = top + draw_title(drawing, style, panel.title, top);

@@ -19,7 +19,7 @@ struct Style {
 };
 
 // Throws InvalidArgument, with the place in the figure's file, for what the experiment does not
-// have; NotFound where a run that is shown is not finished.
+// have. Where a run is not finished, the figure says so.
 Drawing make_figure(const Store& store, const FigureFile& file, const Typeface& typeface);
 
 // One panel each: appended to the drawing at `top`; returns its height.

@@ -8,6 +8,7 @@
 #include "experiments/figure/axes.h"
 #include "experiments/figure/colour_map.h"
 #include "renderer/base/check.h"
+#include "renderer/base/error.h"
 
 namespace misbench::figure {
 namespace {
@@ -17,6 +18,7 @@ constexpr double kFullGap = 4;   // between the whole image and its crops
 constexpr double kBlockGap = 5;  // between scenes
 constexpr double kFrame = 1;     // of crops and marks
 constexpr double kBarHeight = 5;
+constexpr double kLeastColumn = 8;
 constexpr Colour kMissing{0.88, 0.88, 0.88};
 
 double aspect_of(const Raster& raster) { return static_cast<double>(raster.width) / raster.height; }
@@ -65,6 +67,11 @@ Columns place_columns(const Grid& grid, const Style& style, std::size_t room_for
         columns.width =
             std::min(columns.width, column_width(block, n, side_of(grid, style), style.width));
     }
+    if (columns.width < kLeastColumn) {
+        throw Error(Errc::InvalidArgument,
+                    fmt::format("draw a figure: {} columns of images do not fit into {:.0f} pt", n,
+                                style.width));
+    }
     columns.left = n > columns.count ? side_of(grid, style) : style.width - columns.span();
     return columns;
 }
@@ -90,13 +97,14 @@ void add_inset(Drawing& drawing, const Style& style, const Box& cell, const Grid
 }
 
 void add_cell(Drawing& drawing, const Style& style, const Box& box, const GridCell& cell) {
+    if (cell.is_blank) return;
     if (cell.raster) {
         drawing.items.push_back(Picture{box, *cell.raster, cell.description});
     } else {
         drawing.items.push_back(filled(box, kMissing));
         add_fitting(drawing, style,
                     {.at = {box.centre().x, box.centre().y + 0.35 * style.small()},
-                     .text = "no run",
+                     .text = cell.missing,
                      .size = style.small(),
                      .anchor = Anchor::Middle},
                     box.width);
@@ -248,6 +256,12 @@ double draw_grid(Drawing& drawing, const Style& style, const Grid& grid, double 
     } else {
         y -= kBlockGap;
     }
+    for (const std::string& note : grid.notes) {
+        y += 1.2 * style.small();
+        add_fitting(drawing, style, {.at = {0, y}, .text = note, .size = style.small()},
+                    style.width);
+    }
+    if (!grid.notes.empty()) y += 0.3 * style.small();
     return y - top;
 }
 

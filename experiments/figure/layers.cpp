@@ -5,23 +5,25 @@
 #include <map>
 
 #include "experiments/figure/grid.h"
+#include "experiments/figure/query.h"
 
 namespace misbench::figure {
 namespace {
 
-std::vector<NamedImage> wanted_layers(const MapsPanel& maps) {
+std::vector<NamedImage> wanted_layers(const Panel& panel, const MapsPanel& maps) {
     std::vector<NamedImage> all = read_exr_layers(maps.file).images;
     // The one without a name is the image itself, or a copy of another.
     std::erase_if(all, [](const NamedImage& layer) { return layer.name.empty(); });
+    std::vector<std::string> names;
+    for (const NamedImage& layer : all) names.push_back(layer.name);
+    require_titles_of(panel, names);
     if (maps.layers.empty()) return all;
     std::vector<NamedImage> wanted;
     for (const Placed<std::string>& name : maps.layers) {
         const auto found = std::ranges::find(all, name.value, &NamedImage::name);
         if (found == all.end()) {
-            std::string known;
-            for (const NamedImage& layer : all) known += " " + layer.name;
-            fail_at(name.place, fmt::format("'{}' has no layer '{}'; known:{}", maps.file.string(),
-                                            name.value, known));
+            fail_at(name.place, fmt::format("'{}' has no layer '{}'; known: {}",
+                                            maps.file.string(), name.value, fmt::join(names, " ")));
         }
         wanted.push_back(*found);
     }
@@ -35,11 +37,12 @@ std::string row_of(const std::string& layer) {
     return first == std::string::npos || last <= first ? "" : layer.substr(0, last + 1);
 }
 
-// Of one channel: those of maps are equal.
-ValueMap first_channel(const Image& image) {
+ValueMap mean_of_channels(const Image& image) {
     ValueMap map{image.width, image.height, {}};
     for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
-        map.values.push_back(static_cast<double>(image.rgb[i]));
+        const double sum =
+            double{image.rgb[i]} + double{image.rgb[i + 1]} + double{image.rgb[i + 2]};
+        map.values.push_back(sum / 3);
     }
     return map;
 }
@@ -63,18 +66,19 @@ std::vector<std::vector<NamedImage>> in_rows(std::vector<NamedImage> layers, int
 
 double draw_layers(Drawing& drawing, const Style& style, const Panel& panel, double top) {
     const auto& maps = std::get<MapsPanel>(panel.kind);
-    const std::vector<NamedImage> layers = wanted_layers(maps);
+    const std::vector<NamedImage> layers = wanted_layers(panel, maps);
     if (layers.empty()) {
         fail_at(panel.place, "'" + maps.file.string() + "' has no layer with a name");
     }
     std::optional<ColourScale> scale;
-    std::vector<ValueMap> values;
-    for (const NamedImage& layer : layers) values.push_back(first_channel(layer.image));
-    if (maps.false_colours) {
+    if (maps.false_colours && maps.range) {
+        scale = ColourScale{(*maps.range)[0], (*maps.range)[1], maps.logarithmic};
+    } else if (maps.false_colours) {
+        std::vector<ValueMap> values;
+        for (const NamedImage& layer : layers) values.push_back(mean_of_channels(layer.image));
         std::vector<const ValueMap*> pointers;
         for (const ValueMap& map : values) pointers.push_back(&map);
-        scale = maps.range ? ColourScale{(*maps.range)[0], (*maps.range)[1], maps.logarithmic}
-                           : scale_of(pointers, maps.logarithmic).value_or(ColourScale{});
+        scale = scale_of(pointers, maps.logarithmic);
     }
     const auto rows = in_rows(layers, maps.columns);
     std::size_t n_columns = 0;
@@ -86,8 +90,9 @@ double draw_layers(Drawing& drawing, const Style& style, const Panel& panel, dou
                        .cells = {}};
         for (const NamedImage& layer : row) {
             grid.columns.push_back(panel.title_of(layer.name));
-            images.cells.push_back({.raster = scale ? to_raster(first_channel(layer.image), *scale)
-                                                    : to_raster(layer.image, maps.exposure),
+            images.cells.push_back({.raster = scale
+                                                  ? to_raster(mean_of_channels(layer.image), *scale)
+                                                  : to_raster(layer.image, maps.exposure),
                                     .description = layer.name,
                                     .inset = {},
                                     .frame = {}});

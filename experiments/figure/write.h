@@ -31,7 +31,9 @@ struct TexFiles {
 TexFiles to_tex(const Drawing& drawing, const std::string& stem, const About& about);
 
 inline const std::vector<std::string> kFormats = {".pdf", ".svg", ".png", ".tex", ".html"};
-// By the extension, one of kFormats; a .tex file gets its pictures beside it.
+// Throws InvalidArgument where the extension is none of kFormats, or TeX could not read the name.
+void require_format(const std::filesystem::path& path);
+// By the extension; a .tex file gets its pictures beside it. REQUIRES: require_format() agrees.
 void write_figure(const std::filesystem::path& path, const Drawing& drawing,
                   const Typeface& typeface, const About& about);
 

@@ -1,6 +1,8 @@
 // TikZ, and the choice of a format.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "experiments/figure/write.h"
 #include "experiments/report/table_formats.h"
 #include "renderer/base/error.h"
@@ -85,18 +87,31 @@ TexFiles to_tex(const Drawing& drawing, const std::string& stem, const About& ab
     return writer.files();
 }
 
+void require_format(const std::filesystem::path& path) {
+    const std::string extension = path.extension();
+    if (std::ranges::find(kFormats, extension) == kFormats.end()) {
+        throw Error(Errc::InvalidArgument, fmt::format("write '{}': unknown extension; known: {}",
+                                                       path.string(), fmt::join(kFormats, " ")));
+    }
+    constexpr std::string_view kInNames =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.";
+    if (extension == ".tex" &&
+        path.stem().string().find_first_not_of(kInNames) != std::string::npos) {
+        throw Error(Errc::InvalidArgument,
+                    fmt::format("write '{}': for TeX a name must be of letters, digits, '-', '_' "
+                                "and '.'",
+                                path.string()));
+    }
+}
+
 void write_figure(const std::filesystem::path& path, const Drawing& drawing,
                   const Typeface& typeface, const About& about) {
     const std::string extension = path.extension();
-    if (extension == ".pdf") {
-        write_file_durably(path, to_pdf(drawing, typeface, about));
-    } else if (extension == ".svg") {
-        write_file_durably(path, to_svg(drawing, typeface, about));
-    } else if (extension == ".png") {
-        write_file_durably(path, to_png(drawing, typeface));
-    } else if (extension == ".html") {
-        write_file_durably(path, to_html(drawing, typeface, about));
-    } else if (extension == ".tex") {
+    if (extension == ".pdf") write_file_durably(path, to_pdf(drawing, typeface, about));
+    if (extension == ".svg") write_file_durably(path, to_svg(drawing, typeface, about));
+    if (extension == ".png") write_file_durably(path, to_png(drawing, typeface));
+    if (extension == ".html") write_file_durably(path, to_html(drawing, typeface, about));
+    if (extension == ".tex") {
         const std::string stem = path.stem();
         const TexFiles files = to_tex(drawing, stem, about);
         for (std::size_t i = 0; i < files.pictures.size(); ++i) {
@@ -104,9 +119,6 @@ void write_figure(const std::filesystem::path& path, const Drawing& drawing,
                                files.pictures[i]);
         }
         write_file_durably(path, files.tex);
-    } else {
-        throw Error(Errc::InvalidArgument, fmt::format("write '{}': unknown extension; known: {}",
-                                                       path.string(), fmt::join(kFormats, " ")));
     }
 }
 

@@ -397,9 +397,10 @@ TEST_F(ResolveTest, TheSceneFolderIsTheOptionOrElseTheEnvironmentsOrElseTheSourc
     unsetenv("MISBENCH_SCENES");
 }
 
-// Those of the extremes name scenes that a program writes.
+// Those of the extremes name scenes that a program writes; those of figures are no experiments.
 bool is_on_our_scenes(const fs::path& file) {
-    return file.extension() == ".yaml" && file.parent_path().filename() != "extremes" &&
+    const fs::path folder = file.parent_path().filename();
+    return file.extension() == ".yaml" && folder != "extremes" && folder != "figures" &&
            !is_lab_file(file);
 }
 
