@@ -18,7 +18,7 @@ constexpr double kSmallTick = 1.5;
 std::string number(double value) {
     if (value == 0) return "0";
     const double size = std::abs(value);
-    if (size >= 1e5 || size < 1e-3) {
+    if (size >= 1e4 || size < 1e-3) {
         const double exponent = std::floor(std::log10(size) + 1e-9);
         const double digits = value / std::pow(10.0, exponent);
         return std::abs(digits - 1) < 1e-6 ? fmt::format("1e{:.0f}", exponent)
@@ -52,7 +52,7 @@ std::vector<Tick> logarithmic_ticks(const Axis& axis) {
             if (value < axis.low * (1 - 1e-9) || value > axis.high * (1 + 1e-9)) continue;
             const bool is_labelled =
                 digit == 1 ? exponent % skipped == 0
-                           : decades < 0.7 || (decades < 2 && (digit == 2 || digit == 5));
+                           : decades < 1 || (decades < 2 && (digit == 2 || digit == 5));
             all.push_back({value, is_labelled ? number(value) : ""});
         }
     }
@@ -106,10 +106,8 @@ Plot::Plot(Drawing& drawing, const Style& style, const Box& outer, Axis x, Axis 
     inner_ = {outer.x + left, outer.y + above, outer.width - left - 0.5 * small,
               outer.height - above - below};
     auto& items = drawing.items;
-    const auto label = [&](Point at, const std::string& text, double size, Anchor anchor,
-                           bool upwards = false) {
-        items.push_back(
-            Label{.at = at, .text = text, .size = size, .anchor = anchor, .upwards = upwards});
+    const auto label = [&](Point at, const std::string& text, Anchor anchor) {
+        items.push_back(Label{.at = at, .text = text, .size = small, .anchor = anchor});
     };
     // Of labels that would touch the one before, only the line is drawn.
     double free_below = inner_.bottom() + small;
@@ -121,7 +119,7 @@ Plot::Plot(Drawing& drawing, const Style& style, const Box& outer, Axis x, Axis 
         }
         items.push_back(line({inner_.x, at_y}, {inner_.right(), at_y}, kGrid, 0.4));
         if (at_y + 0.5 * small > free_below) continue;
-        label({inner_.x - 2, at_y + 0.33 * small}, tick.label, small, Anchor::Right);
+        label({inner_.x - 2, at_y + 0.33 * small}, tick.label, Anchor::Right);
         free_below = at_y - 0.5 * small;
     }
     double free_from = outer.x;
@@ -135,20 +133,29 @@ Plot::Plot(Drawing& drawing, const Style& style, const Box& outer, Axis x, Axis 
         items.push_back(line({at_x, inner_.y}, {at_x, bottom}, kGrid, 0.4));
         const double half = text_width(style.typeface, tick.label, small, false) / 2;
         if (at_x - half < free_from) continue;
-        label({at_x, bottom + 1 + 0.95 * small}, tick.label, small, Anchor::Middle);
+        label({at_x, bottom + 1 + 0.95 * small}, tick.label, Anchor::Middle);
         free_from = at_x + half + 2;
     }
     items.push_back(frame(inner_, kBlack, 0.5));
-    if (!title.empty()) {
-        label({inner_.centre().x, inner_.y - 0.35 * style.font_size}, title, style.font_size,
-              Anchor::Middle);
-    }
-    if (!x_.label.empty()) {
-        label({inner_.centre().x, outer.bottom() - 0.25 * small}, x_.label, small, Anchor::Middle);
-    }
-    if (!y_.label.empty()) {
-        label({outer.x + 0.85 * small, inner_.centre().y}, y_.label, small, Anchor::Middle, true);
-    }
+    add_fitting(drawing, style,
+                {.at = {inner_.centre().x, inner_.y - 0.35 * style.font_size},
+                 .text = title,
+                 .size = style.font_size,
+                 .anchor = Anchor::Middle},
+                inner_.width);
+    add_fitting(drawing, style,
+                {.at = {inner_.centre().x, outer.bottom() - 0.25 * small},
+                 .text = x_.label,
+                 .size = small,
+                 .anchor = Anchor::Middle},
+                inner_.width);
+    add_fitting(drawing, style,
+                {.at = {outer.x + 0.85 * small, inner_.centre().y},
+                 .text = y_.label,
+                 .size = small,
+                 .anchor = Anchor::Middle,
+                 .upwards = true},
+                inner_.height);
 }
 
 Point Plot::at(double x, double y) const {
@@ -201,8 +208,12 @@ double draw_legend(Drawing& drawing, const Style& style, std::span<const LegendE
         for (; begin < end; ++begin) {
             const LegendEntry& entry = entries[begin];
             const double middle = y + 0.62 * size;
-            drawing.items.push_back(line({x, middle}, {x + key, middle}, entry.colour, 1));
-            add_marker(drawing, {x + key / 2, middle}, entry.marker, entry.colour);
+            Shape shape = line({x, middle}, {x + key, middle}, entry.colour, 1);
+            if (!entry.marker) shape.dashes = kDashes;
+            drawing.items.push_back(std::move(shape));
+            if (entry.marker) {
+                add_marker(drawing, {x + key / 2, middle}, *entry.marker, entry.colour);
+            }
             drawing.items.push_back(
                 Label{.at = {x + key + 2, y + 0.95 * size}, .text = entry.text, .size = size});
             x += width_of(entry);

@@ -1,6 +1,7 @@
 // Axes of plots: where values lie, what is written beside them, and the frame around.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,10 +52,12 @@ class Plot {
     Axis y_;
 };
 
+inline const std::vector<double> kDashes = {2, 1.5};
+
 struct LegendEntry {
     std::string text;
     Colour colour;
-    std::size_t marker = 0;
+    std::optional<std::size_t> marker;  // absent: the line is dashed
 };
 // In lines centred at `top`, as many as are needed; returns the height.
 double draw_legend(Drawing& drawing, const Style& style, std::span<const LegendEntry> entries,

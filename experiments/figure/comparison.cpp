@@ -2,14 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
-#include "experiments/analysis/cell_images.h"
-#include "experiments/figure/auto_crops.h"
 #include "experiments/figure/clear_best.h"
 #include "experiments/figure/colour_map.h"
 #include "experiments/figure/grid.h"
 #include "experiments/figure/query.h"
+#include "experiments/figure/scene_views.h"
 #include "experiments/report/numbers.h"
 #include "renderer/base/error.h"
 #include "results/metrics/metrics.h"
@@ -17,46 +15,7 @@
 namespace misbench::figure {
 namespace {
 
-// The runs of one method in one scene; of the reference its mean.
-struct View {
-    std::string method;
-    std::optional<Image> image;        // of the seed that is shown
-    std::vector<ValueMap> maps;        // of the error, one a seed
-    std::vector<std::int64_t> seeds;   // of the maps
-    std::optional<ValueMap> mean_map;  // over the seeds
-    const ComparedCell* cell = nullptr;
-};
-
-// The errors in a part of the image.
-struct PartNumbers {
-    Window window;
-    std::vector<ComparedCell> cells;  // as the methods
-    std::optional<std::size_t> best;
-};
-
-struct SceneViews {
-    std::string scene;
-    double exposure = 0;
-    int width = 0;
-    int height = 0;
-    std::vector<View> views;  // as the methods
-    std::vector<Window> crops;
-    std::vector<PartNumbers> parts;   // the crops, or the whole image where there are none
-    std::optional<std::size_t> best;  // of the whole image, by the panel's metric
-
-    Window whole() const { return {0, 0, width, height}; }
-};
-
 Estimate plain(double value) { return {.value = value, .interval = {}, .why_none = {}}; }
-
-ValueMap mean_of(const std::vector<ValueMap>& maps) {
-    ValueMap mean = maps.front();
-    for (std::size_t m = 1; m < maps.size(); ++m) {
-        for (std::size_t i = 0; i < mean.values.size(); ++i) mean.values[i] += maps[m].values[i];
-    }
-    for (double& value : mean.values) value /= static_cast<double>(maps.size());
-    return mean;
-}
 
 class ComparisonMaker {
  public:
@@ -68,12 +27,15 @@ class ComparisonMaker {
           budget_(budget_of(query_, panel)),
           map_metric_(choose_map_metric()) {
         for (const Placed<std::string>& name : comparison_.full) find_view(name);
-        for (const SceneEntry& entry : query_.scenes) require_automatic_crops_can_be(entry);
     }
 
     Grid make() {
         std::vector<SceneViews> scenes;
-        for (const SceneEntry& entry : query_.scenes) scenes.push_back(look_at(entry));
+        for (const SceneEntry& entry : query_.scenes) {
+            scenes.push_back(look_at(store_, query_, entry,
+                                     entry.crops ? entry.crops : comparison_.crops,
+                                     {budget_, map_metric_, comparison_.maps.has_value()}));
+        }
         find_bests(scenes);
         Grid grid{.title = panel_.title};
         for (const std::string& method : query_.methods) {
@@ -84,15 +46,17 @@ class ComparisonMaker {
             grid.bar = ColourBar{*scale_, name_of_map() + " of a pixel, mean over seeds"};
         }
         bool has_insets = false;
+        bool has_room = true;  // to say beside a whole image what the captions are
         for (const SceneViews& scene : scenes) {
             grid.blocks.push_back(block_of(scene));
             has_insets |= shows_insets(scene);
+            has_room &= grid.blocks.back().full.has_value();
         }
+        if (!has_room) grid.notes.push_back("Numbers below: " + grid.blocks[0].note + ".");
         if (has_insets) {
             grid.notes.push_back(fmt::format(
-                "Numbers in images: mean {} of the part that is shown, untrimmed, and its {}{}.",
-                name_of_map(), comparison_.gain ? "gain over " : "ratio to ",
-                panel_.title_of(query_.plan.baseline)));
+                "Numbers in images: mean {} of the part that is shown, untrimmed, and {}.",
+                name_of_map(), ratio_words()));
         }
         return grid;
     }
@@ -124,25 +88,9 @@ class ComparisonMaker {
         return short_name_of_metric(id.substr(0, id.find(".trim")));
     }
 
-    const std::optional<Crops>& wanted_crops(const SceneEntry& entry) const {
-        return entry.crops ? entry.crops : comparison_.crops;
-    }
-
-    void require_automatic_crops_can_be(const SceneEntry& entry) const {
-        const std::optional<Crops>& crops = wanted_crops(entry);
-        const auto* automatic = crops ? std::get_if<AutomaticCrops>(&*crops) : nullptr;
-        if (automatic == nullptr) return;
-        if (map_metric_ == nullptr) {
-            fail_at(automatic->place,
-                    fmt::format("automatic crops need a metric with a value by pixel, which '{}' "
-                                "is not; give another as 'metric', or the crops",
-                                query_.comparison.metric));
-        }
-        const auto n_methods = std::ranges::count_if(
-            query_.methods, [](const std::string& method) { return method != kReference; });
-        if (n_methods < 2) {
-            fail_at(automatic->place, "automatic crops need two methods to compare");
-        }
+    std::string ratio_words() const {
+        return (comparison_.gain ? "gain over " : "ratio to ") +
+               panel_.title_of(query_.plan.baseline);
     }
 
     // Its index among the methods that are shown.
@@ -153,104 +101,6 @@ class ComparisonMaker {
                                             fmt::join(query_.methods, " ")));
         }
         return static_cast<std::size_t>(found - query_.methods.begin());
-    }
-
-    // --- what the store has --------------------------------------------------------------------
-
-    // The first seed that all methods have, so that they are shown with the same random numbers.
-    std::optional<std::int64_t> shown_seed(const std::vector<std::vector<CellRun>>& runs) const {
-        std::map<std::int64_t, std::size_t> counts;
-        std::size_t n_methods = 0;
-        for (const std::vector<CellRun>& of_method : runs) {
-            n_methods += of_method.empty() ? 0U : 1U;
-            for (const CellRun& run : of_method) ++counts[run.seed];
-        }
-        for (const std::vector<CellRun>& of_method : runs) {
-            for (const CellRun& run : of_method) {
-                if (counts[run.seed] == n_methods) return run.seed;
-            }
-        }
-        return std::nullopt;
-    }
-
-    SceneViews look_at(const SceneEntry& entry) const {
-        const std::string& name = entry.name.value;
-        SceneViews scene{.scene = name};
-        scene.exposure = entry.exposure.value_or(
-            std::ranges::find(query_.plan.scenes, name, &PlannedScene::name)->exposure);
-        const Task& task = std::ranges::find(query_.plan.cells, name, &Cell::scene)->task;
-        scene.width = task.width;
-        scene.height = task.height;
-        const auto reference = reference_images(store_, query_.plan, name);
-        std::vector<std::vector<CellRun>> runs;
-        for (const std::string& method : query_.methods) {
-            runs.push_back(finished_runs(store_, query_.plan, name, method, budget_));
-        }
-        const std::optional<std::int64_t> seed = shown_seed(runs);
-        const std::optional<Crops>& crops = wanted_crops(entry);
-        const bool with_maps = map_metric_ != nullptr && (comparison_.maps || crops);
-        for (std::size_t m = 0; m < runs.size(); ++m) {
-            View view{.method = query_.methods[m],
-                      .cell = query_.comparison.find(name, query_.methods[m], budget_)};
-            if (view.method == kReference && reference) view.image = reference->mean;
-            for (const CellRun& run : runs[m]) {
-                const Image image = store_.run_image(run.run);
-                if (run.seed == seed || (!seed && !view.image)) view.image = image;
-                if (!with_maps || !reference) continue;
-                view.maps.push_back(
-                    {image.width, image.height,
-                     measure_map(*map_metric_, image, {reference->a, reference->b})});
-                view.seeds.push_back(run.seed);
-            }
-            if (!view.maps.empty()) view.mean_map = mean_of(view.maps);
-            scene.views.push_back(std::move(view));
-        }
-        if (crops) scene.crops = crops_of(scene, *crops);
-        std::vector<Window> parts = scene.crops;
-        if (parts.empty()) parts.push_back(scene.whole());
-        for (const Window& part : parts) scene.parts.push_back(numbers_of(scene, part));
-        return scene;
-    }
-
-    static void require_fit(const SceneViews& scene, const Window& window, const Place& place) {
-        if (window.x + window.width <= scene.width && window.y + window.height <= scene.height) {
-            return;
-        }
-        fail_at(place, fmt::format("a crop does not fit into the image of scene '{}', {} x {}",
-                                   scene.scene, scene.width, scene.height));
-    }
-
-    std::vector<Window> crops_of(const SceneViews& scene, const Crops& crops) const {
-        if (const auto* given = std::get_if<std::vector<Placed<Window>>>(&crops)) {
-            std::vector<Window> windows;
-            for (const auto& [window, place] : *given) {
-                require_fit(scene, window, place);
-                windows.push_back(window);
-            }
-            return windows;
-        }
-        const auto& automatic = std::get<AutomaticCrops>(crops);
-        require_fit(scene, {0, 0, automatic.width, automatic.height}, automatic.place);
-        // Where the last method, the paper's own, differs from what it is compared with.
-        const View* last = nullptr;
-        const View* against = nullptr;
-        for (const View& view : scene.views) {
-            if (!view.mean_map) continue;
-            if (last != nullptr && (against == nullptr || is_baseline(*last))) against = last;
-            last = &view;
-        }
-        if (against == nullptr) {
-            fail_at(automatic.place,
-                    fmt::format("automatic crops need runs of two methods and the reference, which "
-                                "scene '{}' does not have yet",
-                                scene.scene));
-        }
-        return auto_crops(*against->mean_map, *last->mean_map, automatic.width, automatic.height,
-                          automatic.count);
-    }
-
-    static bool is_baseline(const View& view) {
-        return view.cell != nullptr && view.cell->is_baseline;
     }
 
     ColourScale scale_for(const std::vector<SceneViews>& scenes) const {
@@ -265,23 +115,6 @@ class ComparisonMaker {
             }
         }
         return scale_of(maps, wanted.logarithmic);
-    }
-
-    // --- its numbers ---------------------------------------------------------------------------
-
-    // The seeds' errors in a window, in the shape that statistics of cells have.
-    static PartNumbers numbers_of(const SceneViews& scene, const Window& window) {
-        PartNumbers part{.window = window};
-        for (const View& view : scene.views) {
-            ComparedCell cell;
-            cell.method = view.method;
-            cell.is_baseline = is_baseline(view);
-            for (const ValueMap& map : view.maps) cell.values.push_back(mean_within(map, window));
-            cell.seeds = view.seeds;
-            cell.mean = estimate_mean(cell.values);
-            part.cells.push_back(std::move(cell));
-        }
-        return part;
     }
 
     void find_bests(std::vector<SceneViews>& scenes) const {
@@ -379,9 +212,7 @@ class ComparisonMaker {
 
     SceneBlock block_of(const SceneViews& scene) const {
         SceneBlock block{.title = panel_.title_of(scene.scene)};
-        block.note = short_name_of_metric(query_.comparison.metric) +
-                     (comparison_.gain ? ", gain over " : ", ratio to ") +
-                     panel_.title_of(query_.plan.baseline);
+        block.note = short_name_of_metric(query_.comparison.metric) + ", " + ratio_words();
         for (std::size_t i = 0; i < scene.parts.size(); ++i) {
             std::optional<Colour> colour;
             if (!scene.crops.empty()) {

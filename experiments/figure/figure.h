@@ -33,6 +33,9 @@ double draw_sweep(Drawing& drawing, const Style& style, const Store& store, cons
                   double top);
 double draw_layers(Drawing& drawing, const Style& style, const Panel& panel, double top);
 
+// A line of text, made smaller where it would be wider than `width`.
+void add_fitting(Drawing& drawing, const Style& style, Label label, double width);
+
 // A panel's title, in bold above it; 0 for none.
 double draw_title(Drawing& drawing, const Style& style, const std::string& title, double top);
 

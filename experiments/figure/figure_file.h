@@ -78,13 +78,13 @@ struct MapsPanel {
 struct Panel {
     Place place;
     std::string title = {};
-    std::string experiment = {};                     // "" for the latest
-    std::vector<SceneEntry> scenes = {};             // empty for all
-    std::vector<Placed<std::string>> methods = {};   // empty for all
+    std::string experiment = {};                    // "" for the latest
+    std::vector<SceneEntry> scenes = {};            // empty for all
+    std::vector<Placed<std::string>> methods = {};  // empty for all
     // Of scenes, methods, layers and a sweep's parameter, with the places of the names.
     std::map<std::string, Placed<std::string>> titles = {};
-    Placed<std::string> metric = {};                 // "" for the experiment's first
-    Placed<std::string> budget = {};                 // "" for its only one; not of an EffortPanel
+    Placed<std::string> metric = {};  // "" for the experiment's first
+    Placed<std::string> budget = {};  // "" for its only one; not of an EffortPanel
     std::variant<ComparisonPanel, EffortPanel, BarsPanel, SweepPanel, MapsPanel> kind;
 
     std::string title_of(const std::string& name) const;  // the name itself where there is none

@@ -63,8 +63,4 @@ struct Grid {
 // `room_for` columns where there are fewer. Throws InvalidArgument where that is too little to see.
 double draw_grid(Drawing& drawing, const Style& style, const Grid& grid, double top,
                  std::size_t room_for = 0);
-
-// A line of text, made smaller where it would be wider than `width`.
-void add_fitting(Drawing& drawing, const Style& style, Label label, double width);
-
 }  // namespace misbench::figure

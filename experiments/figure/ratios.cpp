@@ -7,7 +7,6 @@
 
 #include "experiments/figure/axes.h"
 #include "experiments/figure/colour_map.h"
-#include "experiments/figure/grid.h"
 #include "experiments/figure/query.h"
 
 namespace misbench::figure {
@@ -185,7 +184,8 @@ double draw_sweep(Drawing& drawing, const Style& style, const Store& store, cons
         std::vector<RatioPoint> points;
         for (std::size_t m = 0; m < query.methods.size(); ++m) {
             auto ratio = ratio_of(query, budget, scene.name.value, query.methods[m]);
-            if (query.methods[m] == query.plan.baseline) ratio = Estimate{.value = 1};
+            if (query.methods[m] == query.plan.baseline)
+                ratio = Estimate{.value = 1, .interval = {}, .why_none = {}};
             if (ratio) points.push_back({xs[m], *ratio});
         }
         std::ranges::sort(points, {}, &RatioPoint::x);
@@ -205,7 +205,7 @@ double draw_sweep(Drawing& drawing, const Style& style, const Store& store, cons
             .points = {plot.at(*sweep.mark, plot.y().low), plot.at(*sweep.mark, plot.y().high)},
             .stroke = kGrey,
             .line_width = 0.8,
-            .dashes = {2.5, 1.5}});
+            .dashes = kDashes});
     }
     std::vector<LegendEntry> legend;
     for (std::size_t s = 0; s < lines.size(); ++s) {
