@@ -205,7 +205,7 @@ TEST_F(FigureCliTest, AnErrorLeavesTheOldFileOrNone) {
     folder_->write("out/old.pdf", "old");
     for (const std::string& extension : kExtensions) {
         expect_error(figure("wrong.yaml", "out/new." + extension), 2,
-                     "wrong.yaml:3:28: unknown scene 'Hall'; known: CornellBox Box/LightTop");
+                     "wrong.yaml:3:27: unknown scene 'Hall'; known: CornellBox Box/LightTop");
     }
     expect_error(figure("wrong.yaml", "out/old.pdf"), 2, "unknown scene");
     EXPECT_THAT(files_in("out"), testing::ElementsAre("old.pdf"));
