@@ -188,7 +188,8 @@ double draw_effort(Drawing& drawing, const Style& style, const Store& store, con
     for (std::size_t m = 0; m < query.methods.size(); ++m) {
         legend.push_back({panel.title_of(query.methods[m]), series_colour(m), m});
     }
-    if (!effort.pareto) legend.push_back({"falls as 1/" + name_of(effort.effort), kGrey, {}});
+    if (!effort.pareto)
+        legend.push_back({effort.effort == Effort::Passes ? "1/samples" : "1/time", kGrey, {}});
     return y + draw_legend(drawing, style, legend, y + 2) + 2 - top;
 }
 

@@ -248,7 +248,7 @@ double add_bar(Drawing& drawing, const Style& style, const ColourBar& bar, const
                 left);
     const Axis axis{
         .low = bar.scale.low, .high = bar.scale.high, .logarithmic = bar.scale.logarithmic};
-    double free_from = box.x;
+    double free_from = 0;
     for (const Tick& tick : ticks(axis)) {
         if (tick.label.empty()) continue;
         const double x = box.x + box.width * axis.position(tick.value);

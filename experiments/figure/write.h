@@ -25,10 +25,12 @@ std::string to_svg(const Drawing& drawing, const Typeface& typeface, const About
 std::string to_html(const Drawing& drawing, const Typeface& typeface, const About& about);
 
 struct TexFiles {
-    std::string tex;                    // a tikzpicture, whose text takes the paper's font
+    // A tikzpicture, whose text takes the paper's font, but no more room than it has in `typeface`.
+    std::string tex;
     std::vector<std::string> pictures;  // PNG, named STEM-1.png and so on
 };
-TexFiles to_tex(const Drawing& drawing, const std::string& stem, const About& about);
+TexFiles to_tex(const Drawing& drawing, const Typeface& typeface, const std::string& stem,
+                const About& about);
 
 inline const std::vector<std::string> kFormats = {".pdf", ".svg", ".png", ".tex", ".html"};
 // Throws InvalidArgument where the extension is none of kFormats, or TeX could not read the name.

@@ -21,7 +21,8 @@ std::string definition(const Colour& colour) {
 // TeX's big points are the others' points, and its y goes upwards.
 class TexWriter {
  public:
-    explicit TexWriter(std::string stem) : stem_(std::move(stem)) {}
+    TexWriter(const Typeface& typeface, std::string stem)
+        : typeface_(typeface), stem_(std::move(stem)) {}
 
     void operator()(const Picture& picture) {
         const Raster& raster = picture.raster;
@@ -61,26 +62,31 @@ class TexWriter {
         constexpr const char* kAnchors[] = {"base west", "base", "base east"};
         files_.tex += fmt::format(
             "\\node[inner sep=0, anchor={}, text={}{}, font=\\fontsize{{{}bp}}{{{}bp}}"
-            "\\selectfont{}] at ({:.3f}bp,{:.3f}bp) {{{}}};\n",
+            "\\selectfont{}] at ({:.3f}bp,{:.3f}bp) {{\\figurefit{{{:.3f}bp}}{{{}}}}};\n",
             kAnchors[static_cast<int>(label.anchor)], definition(label.colour),
             label.upwards ? ", rotate=90" : "", label.size, 1.2 * label.size,
-            label.bold ? "\\bfseries" : "", label.at.x, -label.at.y, escape_latex(label.text));
+            label.bold ? "\\bfseries" : "", label.at.x, -label.at.y,
+            text_width(typeface_, label.text, label.size, label.bold), escape_latex(label.text));
     }
 
     TexFiles& files() { return files_; }
 
  private:
+    const Typeface& typeface_;
     std::string stem_;
     TexFiles files_;
 };
 
 }  // namespace
 
-TexFiles to_tex(const Drawing& drawing, const std::string& stem, const About& about) {
-    TexWriter writer(stem);
+TexFiles to_tex(const Drawing& drawing, const Typeface& typeface, const std::string& stem,
+                const About& about) {
+    TexWriter writer(typeface, stem);
     writer.files().tex = fmt::format(
         "% {}\n% Needs \\usepackage{{tikz}}; \\input where the figure shall be.\n"
-        "\\begin{{tikzpicture}}\n\\useasboundingbox (0,0) rectangle ({:.3f}bp,{:.3f}bp);\n",
+        "\\begin{{tikzpicture}}\n"
+        "\\def\\figurefit#1#2{{\\setbox0\\hbox{{#2}}\\ifdim\\wd0>#1\\relax\\resizebox{{#1}}{{!}}"
+        "{{\\box0}}\\else\\box0\\fi}}\n\\useasboundingbox (0,0) rectangle ({:.3f}bp,{:.3f}bp);\n",
         about.title, drawing.width, -drawing.height);
     for (const Item& item : drawing.items) std::visit(writer, item);
     writer.files().tex += "\\end{tikzpicture}%\n";
@@ -113,7 +119,7 @@ void write_figure(const std::filesystem::path& path, const Drawing& drawing,
     if (extension == ".html") write_file_durably(path, to_html(drawing, typeface, about));
     if (extension == ".tex") {
         const std::string stem = path.stem();
-        const TexFiles files = to_tex(drawing, stem, about);
+        const TexFiles files = to_tex(drawing, typeface, stem, about);
         for (std::size_t i = 0; i < files.pictures.size(); ++i) {
             write_file_durably(path.parent_path() / fmt::format("{}-{}.png", stem, i + 1),
                                files.pictures[i]);

@@ -1,12 +1,14 @@
 // What figures say of a store, and what becomes of them in a file.
 #include "experiments/figure/figure.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <pugixml.hpp>
 #include <random>
+#include <sstream>
 
 #include "experiments/figure/clear_best.h"
 #include "experiments/figure/colour_map.h"
@@ -123,11 +125,33 @@ TEST(Files, SvgAndHtmlKeepAwkwardText) {
 }
 
 TEST(Files, TexEscapesWhatItWouldRead) {
-    const TexFiles files = to_tex(awkward_drawing(), "f_1", {.title = "t", .description = ""});
+    const TexFiles files =
+        to_tex(awkward_drawing(), choose_typeface(), "f_1", {.title = "t", .description = ""});
     EXPECT_THAT(files.tex, AllOf(HasSubstr(R"(a \& b $<$ c\_d \% \#1 \{x\})"),
                                  HasSubstr(R"(\textbackslash{} \textasciitilde{})"),
                                  HasSubstr(R"($\times$ -- ü)"), HasSubstr("{f_1-1.png}")));
     EXPECT_EQ(files.pictures.size(), 1U);
+}
+
+// As outlines as wide as it is measured, and in TeX no wider, whatever the paper's font.
+TEST(Files, KeepLongTextWhole) {
+    const Typeface typeface = choose_typeface();
+    const std::string text =
+        "a note that is long: far longer than ten times the size of its letters";
+    const double width = text_width(typeface, text, 6, false);
+    ASSERT_GT(width, 120);
+    std::istringstream outline(text_outline(typeface, text, 6, false));
+    double right = 0;
+    for (std::string number; outline >> number;) {
+        const std::size_t digits = number.find_last_of("MLCZ");
+        if (digits != std::string::npos) number = number.substr(digits + 1);
+        if (!number.empty()) right = std::max(right, std::stod(number));
+    }
+    EXPECT_NEAR(right, width, 1);
+    Drawing drawing{.width = 300, .height = 50, .items = {}};
+    drawing.items.push_back(Label{.at = {0, 10}, .text = text, .size = 6});
+    EXPECT_THAT(to_tex(drawing, typeface, "f", {}).tex,
+                HasSubstr("\\figurefit{" + fmt::format("{:.3f}bp", width) + "}{a note"));
 }
 
 TEST(Files, ArePlacedAlike) {
@@ -135,7 +159,7 @@ TEST(Files, ArePlacedAlike) {
     drawing.items.push_back(Picture{{10, 20, 30, 15}, plain_raster(2, 1), ""});
     const std::string svg = to_svg(drawing, choose_typeface(), {});
     EXPECT_THAT(svg, HasSubstr(R"(<image x="10.000" y="20.000" width="30.000" height="15.000")"));
-    const std::string tex = to_tex(drawing, "f", {}).tex;
+    const std::string tex = to_tex(drawing, choose_typeface(), "f", {}).tex;
     EXPECT_THAT(tex, AllOf(HasSubstr("at (10.000bp,-20.000bp)"),
                            HasSubstr("width=30.000bp, height=15.000bp")));
 }
@@ -340,7 +364,7 @@ TEST_F(FigureTest, TheSameStoreGivesTheSameBytesInEveryFormat) {
     EXPECT_EQ(to_pdf(one, typeface, {}), to_pdf(two, typeface, {}));
     EXPECT_EQ(to_png(one, typeface), to_png(two, typeface));
     EXPECT_EQ(to_svg(one, typeface, {}), to_svg(two, typeface, {}));
-    EXPECT_EQ(to_tex(one, "f", {}).tex, to_tex(two, "f", {}).tex);
+    EXPECT_EQ(to_tex(one, typeface, "f", {}).tex, to_tex(two, typeface, "f", {}).tex);
 }
 
 }  // namespace
