@@ -5,7 +5,8 @@ target_compile_definitions(resolve_test PRIVATE
   MISBENCH_EXPERIMENTS="${CMAKE_SOURCE_DIR}/experiments")
 misbench_test(claims_formats_test unit misbench_report)
 misbench_test(figure_file_test unit misbench_figure)
-target_compile_definitions(figure_file_test PRIVATE
+misbench_test(figure_experiments_test unit misbench_figure misbench_experiments)
+target_compile_definitions(figure_experiments_test PRIVATE
   MISBENCH_EXPERIMENTS="${CMAKE_SOURCE_DIR}/experiments")
 misbench_test(figure_layout_test unit misbench_figure)
 misbench_test(figure_test unit misbench_figure pugixml::pugixml)

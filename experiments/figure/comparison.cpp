@@ -54,14 +54,27 @@ class ComparisonMaker {
         }
         if (!has_room) grid.notes.push_back("Numbers below: " + grid.blocks[0].note + ".");
         if (has_insets) {
-            grid.notes.push_back(fmt::format(
-                "Numbers in images: mean {} of the part that is shown, untrimmed, and {}.",
-                name_of_map(), ratio_words()));
+            grid.notes.push_back(
+                fmt::format("Numbers in images: mean {} of what is shown, untrimmed, and its {}.",
+                            name_of_map(), ratio_words()));
+        }
+        if (has_bold(scenes)) {
+            grid.notes.push_back(
+                "Bold: best, and different from each other method at a false discovery rate of 5 "
+                "%.");
         }
         return grid;
     }
 
  private:
+    static bool has_bold(const std::vector<SceneViews>& scenes) {
+        return std::ranges::any_of(scenes, [](const SceneViews& scene) {
+            return scene.best || std::ranges::any_of(scene.parts, [](const PartNumbers& part) {
+                       return part.best.has_value();
+                   });
+        });
+    }
+
     // Null where neither maps nor errors of crops can be.
     const Metric* choose_map_metric() const {
         if (comparison_.maps) return &checked_metric(comparison_.maps->metric);

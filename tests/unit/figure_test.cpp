@@ -217,9 +217,10 @@ TEST_F(FigureTest, AComparisonHasImagesMapsNumbersAndSaysWhatTheyAre) {
     const Comparison comparison = compare(store_, plan_);
     EXPECT_THAT(texts_of(drawing), Contains("The box"));
     EXPECT_THAT(texts_of(drawing), Contains("relMSE, ratio to Balance"));
-    EXPECT_THAT(texts_of(drawing),
-                Contains("Numbers in images: mean MSE of the part that is shown, untrimmed, and "
-                         "ratio to Balance."));
+    EXPECT_THAT(
+        texts_of(drawing),
+        Contains("Numbers in images: mean MSE of what is shown, untrimmed, and its ratio to "
+                 "Balance."));
     EXPECT_THAT(texts_of(drawing), Contains("baseline"));
     const Label* ratio = find_label(drawing, "×0.");
     ASSERT_NE(ratio, nullptr);
@@ -240,6 +241,9 @@ TEST_F(FigureTest, BoldIsTheClearBest) {
     ASSERT_TRUE(comparison.find("Box", "clever", SampleBudget{16})->differs());
     ASSERT_EQ(bold.size(), 2U);
     EXPECT_THAT(bold[1], HasSubstr("×"));
+    EXPECT_NE(find_label(drawing, "Bold: best"), nullptr);
+    const Drawing one = figure("kind: comparison, methods: [clever]");
+    EXPECT_EQ(find_label(one, "Bold: best"), nullptr);
 }
 
 TEST_F(FigureTest, MissingRunsAreSaid) {
