@@ -58,6 +58,9 @@ class ComparisonMaker {
                 fmt::format("Numbers in images: mean {} of what is shown, untrimmed, and its {}.",
                             name_of_map(), ratio_words()));
         }
+        if (std::ranges::any_of(scenes, &SceneViews::crops_are_automatic)) {
+            grid.notes.push_back("Crops are chosen where the errors of methods differ most.");
+        }
         if (has_bold(scenes)) {
             grid.notes.push_back(
                 "Bold: best, and different from each other method at a false discovery rate of 5 "
@@ -138,6 +141,8 @@ class ComparisonMaker {
             for (const View& view : scene.views) {
                 cells.push_back(view.cell == nullptr ? ComparedCell{} : *view.cell);
             }
+            // Where crops are chosen for their difference, it is no finding that there is one.
+            if (scene.crops_are_automatic) continue;
             for (const PartNumbers& part : scene.parts) insets.push_back(part.cells);
         }
         const auto best_captions = clear_bests(captions, query_.comparison.better);
@@ -146,6 +151,7 @@ class ComparisonMaker {
         std::size_t inset = 0;
         for (std::size_t s = 0; s < scenes.size(); ++s) {
             scenes[s].best = best_captions[s];
+            if (scenes[s].crops_are_automatic) continue;
             for (PartNumbers& part : scenes[s].parts) part.best = best_insets[inset++];
         }
     }

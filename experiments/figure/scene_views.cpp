@@ -124,7 +124,10 @@ SceneViews look_at(const Store& store, const Query& query, const SceneEntry& ent
         if (!view.maps.empty()) view.mean_map = mean_of(view.maps);
         scene.views.push_back(std::move(view));
     }
-    if (crops) scene.crops = crops_of(scene, *crops);
+    if (crops) {
+        scene.crops = crops_of(scene, *crops);
+        scene.crops_are_automatic = std::holds_alternative<AutomaticCrops>(*crops);
+    }
     std::vector<Window> parts = scene.crops;
     if (parts.empty()) parts.push_back(scene.whole());
     for (const Window& part : parts) scene.parts.push_back(numbers_of(scene, part));

@@ -37,6 +37,7 @@ struct SceneViews {
     int height = 0;
     std::vector<View> views = {};  // as the methods
     std::vector<Window> crops = {};
+    bool crops_are_automatic = false;
     std::vector<PartNumbers> parts = {};   // the crops, or the whole image where there are none
     std::optional<std::size_t> best = {};  // of the whole image, by the panel's metric
 

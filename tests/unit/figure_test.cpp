@@ -246,6 +246,19 @@ TEST_F(FigureTest, BoldIsTheClearBest) {
     EXPECT_EQ(find_label(one, "Bold: best"), nullptr);
 }
 
+// Both crops are the whole image.
+TEST_F(FigureTest, NumbersInAutomaticCropsAreNotBold) {
+    const auto bold_insets = [this](const std::string& crops) {
+        const Drawing drawing =
+            figure("kind: comparison, methods: [plain, clever], crops: " + crops);
+        return std::ranges::count_if(items_of<Label>(drawing), [](const Label& label) {
+            return label.bold && label.colour == kWhite;
+        });
+    };
+    EXPECT_EQ(bold_insets("[[0, 0, 8, 4]]"), 1);
+    EXPECT_EQ(bold_insets("{auto: 1, size: [8, 4]}"), 0);
+}
+
 TEST_F(FigureTest, MissingRunsAreSaid) {
     Plan longer = made_up_plan("longer", 4);
     longer.scenes.push_back({.name = "Other", .exposure = 0});
