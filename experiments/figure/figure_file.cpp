@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <nlohmann/json.hpp>
 
 namespace misbench::figure {
 namespace {
@@ -29,6 +30,11 @@ std::string read_title(const YamlNode& node, const std::string& what) {
     };
     if (std::ranges::any_of(text, is_control)) {
         fail_at(node.place, what + " must be one line without control characters");
+    }
+    try {
+        (void)nlohmann::json(text).dump();  // throws for what is not UTF-8
+    } catch (const nlohmann::json::exception&) {
+        fail_at(node.place, what + " must be UTF-8");
     }
     return text;
 }

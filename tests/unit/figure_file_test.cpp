@@ -245,7 +245,10 @@ TEST_F(FigureFileTest, RangesGrow) {
                 HasSubstr("mark must be a number"));
 }
 
-TEST_F(FigureFileTest, TitlesAreOneLine) {
+TEST_F(FigureFileTest, TitlesAreOneLineOfUtf8) {
+    EXPECT_EQ(complaint_about_panel("kind: bars, title: 'a \xff b'"),
+              "f.yaml:2:25: title must be UTF-8");
+    EXPECT_EQ(read("panels: [{kind: bars, title: Größe 你好}]\n").panels[0].title, "Größe 你好");
     EXPECT_EQ(complaint_about_panel(R"(kind: bars, title: "a\nb")"),
               "f.yaml:2:25: title must be one line without control characters");
     EXPECT_EQ(complaint_about_panel(R"(kind: bars, titles: {Box: "a\x01"})"),

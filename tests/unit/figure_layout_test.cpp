@@ -319,6 +319,31 @@ TEST(Grid, FillsTheWidthAndNothingLiesOverAnother) {
     }
 }
 
+// Of texts beside each other the longest decides.
+TEST(Grid, HasTextOfOneSizeThatFits) {
+    const Style style{.typeface = choose_typeface()};
+    Grid grid = crop_grid();
+    grid.columns[1] = "a title of some length that is";
+    grid.blocks[0].captions[2] = {{"×0.0095 [0.0078, 0.0114] and more"}};
+    grid.blocks[0].rows[0].cells[0].inset = {.text = "1.23456 (×12345.67) and more"};
+    grid.blocks[0].rows[1].cells[2].inset = {.text = "1"};
+    Drawing drawing;
+    draw_grid(drawing, style, grid, 0);
+    const std::vector<Picture> pictures = items_of<Picture>(drawing);
+    const auto size = [&drawing](const std::string& text) {
+        return find_label(drawing, text)->size;
+    };
+    EXPECT_EQ(size("a title"), size("c"));
+    EXPECT_EQ(size("×0.0095"), size("0.1"));
+    EXPECT_EQ(size("1.23456"), items_of<Label>(drawing).at(4).size);
+    for (const auto& [text, cell] :
+         {std::pair{"a title", 2U}, std::pair{"×0.0095", 3U}, std::pair{"1.23456", 1U}}) {
+        const Box box = box_of(*find_label(drawing, text), style.typeface);
+        EXPECT_GE(box.x, pictures[cell].box.x - 0.1) << text;
+        EXPECT_LE(box.right(), pictures[cell].box.right() + 0.1) << text;
+    }
+}
+
 TEST(Grid, RefusesMoreColumnsThanCanBeSeen) {
     Grid grid;
     grid.columns.assign(60, "a");

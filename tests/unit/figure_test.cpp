@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <pugixml.hpp>
 #include <random>
 #include <sstream>
@@ -244,6 +246,40 @@ TEST_F(FigureTest, BoldIsTheClearBest) {
     EXPECT_NE(find_label(drawing, "Bold: best"), nullptr);
     const Drawing one = figure("kind: comparison, methods: [clever]");
     EXPECT_EQ(find_label(one, "Bold: best"), nullptr);
+}
+
+TEST_F(FigureTest, AParetoFrontGoesThroughWhatNothingBeats) {
+    Plan ladder = made_up_plan("ladder", 3);
+    for (Cell& cell : ladder.cells) {
+        if (cell.role == Role::Test) cell.task.snapshots = SnapshotLadder{};
+    }
+    store_.put_experiment(ladder);
+    commit_all(store_, ladder);
+    store_.measure(ladder);
+    const Drawing drawing = figure("kind: pareto, effort: passes, experiment: ladder");
+    std::vector<Point> stairs;
+    std::map<bool, std::vector<Point>> centres;  // of markers, by whether they are clever's
+    for (const Shape& shape : items_of<Shape>(drawing)) {
+        if (!shape.closed && shape.stroke == kGrey) stairs = shape.points;
+        if (!shape.closed || shape.points.size() < 4 || !shape.fill) continue;
+        Point centre;
+        for (const Point& p : shape.points) {
+            centre.x += p.x / static_cast<double>(shape.points.size());
+            centre.y += p.y / static_cast<double>(shape.points.size());
+        }
+        centres[shape.fill == series_colour(1)].push_back(centre);
+    }
+    const auto is_on_stairs = [&stairs](const Point& centre) {
+        return std::ranges::any_of(stairs, [&centre](const Point& p) {
+            return std::hypot(p.x - centre.x, p.y - centre.y) < 0.01;
+        });
+    };
+    ASSERT_EQ(centres[true].size(), 5U + 1);  // 1, 2, 4, 8 and 16 samples; the legend
+    ASSERT_EQ(centres[false].size(), 5U + 1);
+    EXPECT_EQ(std::ranges::count_if(centres[true], is_on_stairs), 5);
+    EXPECT_EQ(std::ranges::count_if(centres[false], is_on_stairs), 0);
+    EXPECT_THAT(texts_of(figure("kind: convergence, effort: passes, experiment: ladder")),
+                AllOf(Contains("samples a pixel"), Contains("1/samples"), Contains("relMSE")));
 }
 
 // Both crops are the whole image.
