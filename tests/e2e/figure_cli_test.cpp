@@ -123,7 +123,8 @@ TEST_F(FigureCliTest, EveryKindIsAWholePdfWithItsFonts) {
         EXPECT_THAT(pdf, StartsWith("%PDF-")) << kind;
         EXPECT_THAT(pdf.substr(pdf.size() - 8), HasSubstr("%%EOF")) << kind;
         EXPECT_THAT(pdf, HasSubstr("/FontFile")) << kind;
-        EXPECT_THAT(pdf, HasSubstr("/CreationDate (20000101")) << kind << " is the same at any time";
+        EXPECT_THAT(pdf, HasSubstr("/CreationDate (20000101"))
+            << kind << " is the same at any time";
         EXPECT_THAT(pdf, HasSubstr("/MediaBox [ 0 0 240 ")) << kind;
     }
 }
