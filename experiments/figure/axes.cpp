@@ -13,11 +13,12 @@ namespace misbench::figure {
 namespace {
 
 constexpr Colour kGrid{0.87, 0.87, 0.87};
+constexpr double kSmallTick = 1.5;
 
 std::string number(double value) {
     if (value == 0) return "0";
     const double size = std::abs(value);
-    if (size >= 1e5 || size < 1e-3) {
+    if (size >= 1e4 || size < 1e-3) {
         const double exponent = std::floor(std::log10(size) + 1e-9);
         const double digits = value / std::pow(10.0, exponent);
         return std::abs(digits - 1) < 1e-6 ? fmt::format("1e{:.0f}", exponent)
@@ -51,7 +52,7 @@ std::vector<Tick> logarithmic_ticks(const Axis& axis) {
             if (value < axis.low * (1 - 1e-9) || value > axis.high * (1 + 1e-9)) continue;
             const bool is_labelled =
                 digit == 1 ? exponent % skipped == 0
-                           : decades < 0.7 || (decades < 2 && (digit == 2 || digit == 5));
+                           : decades < 1 || (decades < 2 && (digit == 2 || digit == 5));
             all.push_back({value, is_labelled ? number(value) : ""});
         }
     }
@@ -66,7 +67,11 @@ double Axis::position(double value) const {
 }
 
 std::vector<Tick> ticks(const Axis& axis) {
-    return axis.logarithmic ? logarithmic_ticks(axis) : linear_ticks(axis);
+    if (!axis.logarithmic) return linear_ticks(axis);
+    const std::vector<Tick> all = logarithmic_ticks(axis);
+    const auto n_labels =
+        std::ranges::count_if(all, [](const Tick& t) { return !t.label.empty(); });
+    return n_labels < 2 ? linear_ticks(axis) : all;
 }
 
 Axis axis_around(std::span<const double> values, bool logarithmic, const std::string& label) {
@@ -101,34 +106,56 @@ Plot::Plot(Drawing& drawing, const Style& style, const Box& outer, Axis x, Axis 
     inner_ = {outer.x + left, outer.y + above, outer.width - left - 0.5 * small,
               outer.height - above - below};
     auto& items = drawing.items;
-    const auto label = [&](Point at, const std::string& text, double size, Anchor anchor,
-                           bool upwards = false) {
-        items.push_back(
-            Label{.at = at, .text = text, .size = size, .anchor = anchor, .upwards = upwards});
+    const auto label = [&](Point at, const std::string& text, Anchor anchor) {
+        items.push_back(Label{.at = at, .text = text, .size = small, .anchor = anchor});
     };
+    // Of labels that would touch the one before, only the line is drawn.
+    double free_below = inner_.bottom() + small;
     for (const Tick& tick : ticks(y_)) {
         const double at_y = at(x_.low, tick.value).y;
-        if (tick.label.empty()) continue;
+        if (tick.label.empty()) {
+            items.push_back(line({inner_.x, at_y}, {inner_.x + kSmallTick, at_y}, kBlack, 0.3));
+            continue;
+        }
         items.push_back(line({inner_.x, at_y}, {inner_.right(), at_y}, kGrid, 0.4));
-        label({inner_.x - 2, at_y + 0.33 * small}, tick.label, small, Anchor::Right);
+        if (at_y + 0.5 * small > free_below) continue;
+        label({inner_.x - 2, at_y + 0.33 * small}, tick.label, Anchor::Right);
+        free_below = at_y - 0.5 * small;
     }
+    double free_from = outer.x;
     for (const Tick& tick : x_ticks ? ticks(x_) : std::vector<Tick>{}) {
         const double at_x = at(tick.value, y_.low).x;
-        if (tick.label.empty()) continue;
-        items.push_back(line({at_x, inner_.y}, {at_x, inner_.bottom()}, kGrid, 0.4));
-        label({at_x, inner_.bottom() + 1 + 0.95 * small}, tick.label, small, Anchor::Middle);
+        const double bottom = inner_.bottom();
+        if (tick.label.empty()) {
+            items.push_back(line({at_x, bottom}, {at_x, bottom - kSmallTick}, kBlack, 0.3));
+            continue;
+        }
+        items.push_back(line({at_x, inner_.y}, {at_x, bottom}, kGrid, 0.4));
+        const double half = text_width(style.typeface, tick.label, small, false) / 2;
+        if (at_x - half < free_from) continue;
+        label({at_x, bottom + 1 + 0.95 * small}, tick.label, Anchor::Middle);
+        free_from = at_x + half + 2;
     }
     items.push_back(frame(inner_, kBlack, 0.5));
-    if (!title.empty()) {
-        label({inner_.centre().x, inner_.y - 0.35 * style.font_size}, title, style.font_size,
-              Anchor::Middle);
-    }
-    if (!x_.label.empty()) {
-        label({inner_.centre().x, outer.bottom() - 0.25 * small}, x_.label, small, Anchor::Middle);
-    }
-    if (!y_.label.empty()) {
-        label({outer.x + 0.85 * small, inner_.centre().y}, y_.label, small, Anchor::Middle, true);
-    }
+    add_fitting(drawing, style,
+                {.at = {inner_.centre().x, inner_.y - 0.35 * style.font_size},
+                 .text = title,
+                 .size = style.font_size,
+                 .anchor = Anchor::Middle},
+                inner_.width);
+    add_fitting(drawing, style,
+                {.at = {inner_.centre().x, outer.bottom() - 0.25 * small},
+                 .text = x_.label,
+                 .size = small,
+                 .anchor = Anchor::Middle},
+                inner_.width);
+    add_fitting(drawing, style,
+                {.at = {outer.x + 0.85 * small, inner_.centre().y},
+                 .text = y_.label,
+                 .size = small,
+                 .anchor = Anchor::Middle,
+                 .upwards = true},
+                inner_.height);
 }
 
 Point Plot::at(double x, double y) const {
@@ -181,8 +208,12 @@ double draw_legend(Drawing& drawing, const Style& style, std::span<const LegendE
         for (; begin < end; ++begin) {
             const LegendEntry& entry = entries[begin];
             const double middle = y + 0.62 * size;
-            drawing.items.push_back(line({x, middle}, {x + key, middle}, entry.colour, 1));
-            add_marker(drawing, {x + key / 2, middle}, entry.marker, entry.colour);
+            Shape shape = line({x, middle}, {x + key, middle}, entry.colour, 1);
+            if (!entry.marker) shape.dashes = kDashes;
+            drawing.items.push_back(std::move(shape));
+            if (entry.marker) {
+                add_marker(drawing, {x + key / 2, middle}, *entry.marker, entry.colour);
+            }
             drawing.items.push_back(
                 Label{.at = {x + key + 2, y + 0.95 * size}, .text = entry.text, .size = size});
             x += width_of(entry);
@@ -194,10 +225,12 @@ double draw_legend(Drawing& drawing, const Style& style, std::span<const LegendE
 
 void add_marker(Drawing& drawing, Point at, std::size_t index, Colour colour) {
     constexpr double kRadius = 1.5;
-    constexpr std::array kCorners = {16, 4, 3, 4};
-    constexpr std::array kTurns = {0.0, 0.125, 0.25, 0.0};  // of the first corner
+    // Disk, square, triangle, diamond, triangle on its tip, pentagon.
+    constexpr std::array kCorners = {16, 4, 3, 4, 3, 5};
+    constexpr std::array kTurns = {0.0, 0.125, 0.25, 0.0, 0.75, 0.25};  // of the first corner
     const std::size_t kind = index % kCorners.size();
-    Shape shape{.closed = true, .fill = colour};
+    const bool is_hollow = index / kCorners.size() % 2 == 1;
+    Shape shape{.closed = true, .fill = is_hollow ? kWhite : colour, .stroke = colour};
     for (int i = 0; i < kCorners[kind]; ++i) {
         const double angle =
             2 * std::numbers::pi * (kTurns[kind] + static_cast<double>(i) / kCorners[kind]);

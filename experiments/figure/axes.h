@@ -1,6 +1,7 @@
 // Axes of plots: where values lie, what is written beside them, and the frame around.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,8 +24,8 @@ struct Tick {
     double value = 0;
     std::string label;  // "" for a small one
 };
-// Within the axis; of a logarithmic one the powers of ten and small ticks between, or 1, 2, 5 of
-// each where there are few decades.
+// Within the axis, two labels at least; of a logarithmic one the powers of ten and small ticks
+// between, or 1, 2, 5 of each where there are few decades, or even steps where there is hardly one.
 std::vector<Tick> ticks(const Axis& axis);
 
 // An axis around all of the values, with some room at both ends. REQUIRES: values are not empty,
@@ -51,16 +52,18 @@ class Plot {
     Axis y_;
 };
 
+inline const std::vector<double> kDashes = {2, 1.5};
+
 struct LegendEntry {
     std::string text;
     Colour colour;
-    std::size_t marker = 0;
+    std::optional<std::size_t> marker;  // absent: the line is dashed
 };
 // In lines centred at `top`, as many as are needed; returns the height.
 double draw_legend(Drawing& drawing, const Style& style, std::span<const LegendEntry> entries,
                    double top);
 
-// A small mark: disk, square, triangle, diamond in turn, for readers who see no colours.
+// A small mark for readers who see no colours: of six shapes in turn, then the same hollow.
 void add_marker(Drawing& drawing, Point at, std::size_t index, Colour colour);
 
 }  // namespace misbench::figure

@@ -76,7 +76,9 @@ Colour series_colour(std::size_t index) {
     constexpr std::array kColours{Colour{0.00, 0.45, 0.70}, Colour{0.84, 0.37, 0.00},
                                   Colour{0.00, 0.62, 0.45}, Colour{0.80, 0.47, 0.65},
                                   Colour{0.90, 0.62, 0.00}, Colour{0.34, 0.71, 0.91}};
-    return kColours[index % kColours.size()];
+    const Colour colour = kColours[index % kColours.size()];
+    if (index / kColours.size() % 2 == 0) return colour;
+    return {0.5 * (1 + colour.red), 0.5 * (1 + colour.green), 0.5 * (1 + colour.blue)};
 }
 
 }  // namespace misbench::figure

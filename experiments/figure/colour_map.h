@@ -9,7 +9,8 @@ namespace misbench::figure {
 // REQUIRES: position within [0, 1].
 Colour false_colour(double position);
 
-// Of line plots and crop boxes: Okabe and Ito's, which most people can tell apart.
+// Of line plots and crop boxes: Okabe and Ito's six, which most people can tell apart, then the
+// same half as strong.
 Colour series_colour(std::size_t index);
 
 }  // namespace misbench::figure

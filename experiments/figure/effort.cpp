@@ -7,7 +7,6 @@
 #include "experiments/analysis/convergence.h"
 #include "experiments/figure/axes.h"
 #include "experiments/figure/colour_map.h"
-#include "experiments/figure/grid.h"
 #include "experiments/figure/query.h"
 
 namespace misbench::figure {
@@ -24,9 +23,9 @@ struct Series {
 
 double effort_of(const CurvePoint& point, Effort effort) {
     switch (effort) {
-        case Effort::CpuSeconds:
+        case Effort::Cpu:
             return point.cpu_seconds;
-        case Effort::WallSeconds:
+        case Effort::Wall:
             return point.wall_seconds;
         case Effort::Passes:
             return point.passes;
@@ -35,9 +34,9 @@ double effort_of(const CurvePoint& point, Effort effort) {
 }
 
 std::string name_of(Effort effort) {
-    return effort == Effort::Passes       ? "samples a pixel"
-           : effort == Effort::CpuSeconds ? "CPU seconds"
-                                          : "seconds";
+    return effort == Effort::Passes ? "samples a pixel"
+           : effort == Effort::Cpu  ? "CPU seconds"
+                                    : "seconds";
 }
 
 std::vector<Series> series_of(const std::vector<Curve>& curves, const Query& query,
@@ -99,7 +98,7 @@ void add_slope(Drawing& drawing, const Plot& plot, const std::vector<Series>& al
     const std::vector<Point> ends = plot.clipped({x, y}, {plot.x().high, y / factor});
     if (ends.empty()) return;
     drawing.items.push_back(
-        Shape{.points = ends, .stroke = kGrey, .line_width = 0.6, .dashes = {2, 1.5}});
+        Shape{.points = ends, .stroke = kGrey, .line_width = 0.6, .dashes = kDashes});
 }
 
 // A staircase through the points that no other beats in both effort and error.
@@ -139,7 +138,10 @@ void draw_plot(Drawing& drawing, const Style& style, const Box& box, const Query
     }
     if (xs.empty()) {
         add_fitting(drawing, style,
-                    {.at = box.centre(), .text = title + ": no run", .anchor = Anchor::Middle},
+                    {.at = box.centre(),
+                     .text = title + ": no run",
+                     .size = style.font_size,
+                     .anchor = Anchor::Middle},
                     box.width);
         return;
     }
@@ -167,7 +169,7 @@ void draw_plot(Drawing& drawing, const Style& style, const Box& box, const Query
 
 double draw_effort(Drawing& drawing, const Style& style, const Store& store, const Panel& panel,
                    double top) {
-    const Query query = ask(store, panel, false, false);
+    const Query query = ask(store, panel, false);
     const std::vector<Curve> curves = convergence(store, query.plan, query.comparison.metric);
     const auto& effort = std::get<EffortPanel>(panel.kind);
     double y = top + draw_title(drawing, style, panel.title, top);
@@ -186,6 +188,8 @@ double draw_effort(Drawing& drawing, const Style& style, const Store& store, con
     for (std::size_t m = 0; m < query.methods.size(); ++m) {
         legend.push_back({panel.title_of(query.methods[m]), series_colour(m), m});
     }
+    if (!effort.pareto)
+        legend.push_back({effort.effort == Effort::Passes ? "1/samples" : "1/time", kGrey, {}});
     return y + draw_legend(drawing, style, legend, y + 2) + 2 - top;
 }
 

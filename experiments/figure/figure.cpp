@@ -1,7 +1,5 @@
 #include "experiments/figure/figure.h"
 
-#include "experiments/figure/grid.h"
-
 namespace misbench::figure {
 namespace {
 
@@ -34,6 +32,13 @@ Drawing make_figure(const Store& store, const FigureFile& file, const Typeface& 
         drawing.height += draw_panel(drawing, style, store, panel, drawing.height);
     }
     return drawing;
+}
+
+void add_fitting(Drawing& drawing, const Style& style, Label label, double width) {
+    if (label.text.empty()) return;
+    const double needed = text_width(style.typeface, label.text, label.size, label.bold);
+    if (needed > width) label.size *= width / needed;
+    drawing.items.push_back(std::move(label));
 }
 
 double draw_title(Drawing& drawing, const Style& style, const std::string& title, double top) {

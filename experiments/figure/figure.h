@@ -19,7 +19,7 @@ struct Style {
 };
 
 // Throws InvalidArgument, with the place in the figure's file, for what the experiment does not
-// have; NotFound where a run that is shown is not finished.
+// have. Where a run is not finished, the figure says so.
 Drawing make_figure(const Store& store, const FigureFile& file, const Typeface& typeface);
 
 // One panel each: appended to the drawing at `top`; returns its height.
@@ -32,6 +32,9 @@ double draw_bars(Drawing& drawing, const Style& style, const Store& store, const
 double draw_sweep(Drawing& drawing, const Style& style, const Store& store, const Panel& panel,
                   double top);
 double draw_layers(Drawing& drawing, const Style& style, const Panel& panel, double top);
+
+// A line of text, made smaller where it would be wider than `width`.
+void add_fitting(Drawing& drawing, const Style& style, Label label, double width);
 
 // A panel's title, in bold above it; 0 for none.
 double draw_title(Drawing& drawing, const Style& style, const std::string& title, double top);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <nlohmann/json.hpp>
 
 namespace misbench::figure {
 namespace {
@@ -19,6 +20,23 @@ std::size_t read_choice(const YamlNode& node, const std::string& what,
                 fmt::format("unknown {} '{}'; known: {}", what, text, fmt::join(known, " ")));
     }
     return static_cast<std::size_t>(found - known.begin());
+}
+
+// Text that is drawn: one line of UTF-8.
+std::string read_title(const YamlNode& node, const std::string& what) {
+    const std::string text = read_text(node, what);
+    const auto is_control = [](char c) {
+        return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    };
+    if (std::ranges::any_of(text, is_control)) {
+        fail_at(node.place, what + " must be one line without control characters");
+    }
+    try {
+        (void)nlohmann::json(text).dump();  // throws for what is not UTF-8
+    } catch (const nlohmann::json::exception&) {
+        fail_at(node.place, what + " must be UTF-8");
+    }
+    return text;
 }
 
 // column, page, or a number with its unit.
@@ -81,7 +99,7 @@ Crops read_crops(const YamlNode& node) {
         };
         return AutomaticCrops{static_cast<int>(read_integer(require_value(node, "crops", "auto"),
                                                             "auto", 1, kMaxCrops)),
-                              side(0), side(1)};
+                              side(0), side(1), node.place};
     }
     if (node.kind != YamlNode::Kind::Sequence || node.items.empty()) {
         fail_at(node.place,
@@ -116,8 +134,8 @@ std::vector<Placed<std::string>> read_names(const YamlNode& node, const std::str
     return names;
 }
 
-SceneEntry read_scene(const YamlNode& node) {
-    if (node.kind != YamlNode::Kind::Map) {
+SceneEntry read_scene(const YamlNode& node, bool has_images) {
+    if (!has_images || node.kind != YamlNode::Kind::Map) {
         return {.name = read_placed_text(node, "scene"), .exposure = {}, .crops = {}};
     }
     require_keys(node, "a scene", {"scene", "exposure", "crops"});
@@ -173,6 +191,13 @@ MapsPanel read_layers(const YamlNode& node) {
     if (const YamlNode* show = node.find("show")) {
         panel.false_colours = read_choice(*show, "show", {"false-colours", "image"}) == 0;
     }
+    for (const char* key : {"scale", "range", "exposure"}) {
+        const bool is_of_colours = key != std::string_view("exposure");
+        const YamlNode* value = node.find(key);
+        if (value == nullptr || is_of_colours == panel.false_colours) continue;
+        fail_at(value->key_place,
+                fmt::format("{} needs show: {}", key, is_of_colours ? "false-colours" : "image"));
+    }
     if (const YamlNode* scale = node.find("scale")) {
         panel.logarithmic = read_choice(*scale, "scale", {"linear", "log"}) == 1;
     }
@@ -188,7 +213,7 @@ MapsPanel read_layers(const YamlNode& node) {
     return panel;
 }
 
-// A kind and the keys that it knows beside those of all that ask the store.
+// A kind and the keys that it knows beside kind, title and titles.
 struct Kind {
     std::string name;
     std::vector<std::string> keys;
@@ -199,14 +224,20 @@ const std::vector<Kind>& kinds() {
     using Read = decltype(Panel::kind);
     static const std::vector<Kind> all = {
         {"comparison",
-         {"crops", "maps", "full", "ratio"},
+         {"experiment", "scenes", "methods", "metric", "budget", "crops", "maps", "full", "ratio"},
          [](const YamlNode& n) -> Read { return read_comparison(n); }},
         {"convergence",
-         {"effort"},
+         {"experiment", "scenes", "methods", "metric", "effort"},
          [](const YamlNode& n) -> Read { return read_effort(n, false); }},
-        {"pareto", {"effort"}, [](const YamlNode& n) -> Read { return read_effort(n, true); }},
-        {"bars", {}, [](const YamlNode&) -> Read { return BarsPanel{}; }},
-        {"sweep", {"parameter", "mark"}, [](const YamlNode& n) -> Read { return read_sweep(n); }},
+        {"pareto",
+         {"experiment", "scenes", "methods", "metric", "effort"},
+         [](const YamlNode& n) -> Read { return read_effort(n, true); }},
+        {"bars",
+         {"experiment", "scenes", "methods", "metric", "budget"},
+         [](const YamlNode&) -> Read { return BarsPanel{}; }},
+        {"sweep",
+         {"experiment", "scenes", "methods", "metric", "budget", "parameter", "mark"},
+         [](const YamlNode& n) -> Read { return read_sweep(n); }},
         {"maps",
          {"file", "layers", "show", "scale", "range", "exposure", "columns"},
          [](const YamlNode& n) -> Read { return read_layers(n); }}};
@@ -219,9 +250,6 @@ Panel read_panel(const YamlNode& node, const std::string& experiment) {
     for (const Kind& kind : kinds()) names.push_back(kind.name);
     const Kind& kind = kinds()[read_choice(require_value(node, "a panel", "kind"), "kind", names)];
     std::vector<std::string> keys = {"kind", "title", "titles"};
-    if (kind.name != "maps") {
-        keys.insert(keys.end(), {"experiment", "scenes", "methods", "metric", "budget"});
-    }
     keys.insert(keys.end(), kind.keys.begin(), kind.keys.end());
     require_keys(node, "a panel of kind " + kind.name, keys);
 
@@ -230,13 +258,13 @@ Panel read_panel(const YamlNode& node, const std::string& experiment) {
         const YamlNode* value = node.find(key);
         return value == nullptr ? Placed<std::string>{} : read_placed_text(*value, key);
     };
-    panel.title = text("title").value;
+    if (const YamlNode* title = node.find("title")) panel.title = read_title(*title, "title");
     panel.metric = text("metric");
     panel.budget = text("budget");
     if (node.find("experiment") != nullptr) panel.experiment = text("experiment").value;
     if (const YamlNode* scenes = node.find("scenes")) {
         for (const YamlNode& item : read_one_or_more(*scenes, "scenes")) {
-            panel.scenes.push_back(read_scene(item));
+            panel.scenes.push_back(read_scene(item, kind.name == "comparison"));
         }
     }
     if (const YamlNode* methods = node.find("methods")) {
@@ -244,8 +272,9 @@ Panel read_panel(const YamlNode& node, const std::string& experiment) {
     }
     if (const YamlNode* titles = node.find("titles")) {
         require_map(*titles, "titles");
-        for (const YamlNode& item : titles->items)
-            panel.titles[item.key] = read_text(item, "title");
+        for (const YamlNode& item : titles->items) {
+            panel.titles[item.key] = {read_title(item, "a title"), item.key_place};
+        }
     }
     return panel;
 }
@@ -254,7 +283,7 @@ Panel read_panel(const YamlNode& node, const std::string& experiment) {
 
 std::string Panel::title_of(const std::string& name) const {
     const auto found = titles.find(name);
-    return found == titles.end() ? name : found->second;
+    return found == titles.end() ? name : found->second.value;
 }
 
 FigureFile read_figure_file(const std::filesystem::path& file) {

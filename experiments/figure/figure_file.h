@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "experiments/analysis/tradeoff.h"
 #include "experiments/figure/raster.h"
 #include "experiments/plan/yaml_reader.h"
 
@@ -25,6 +26,7 @@ struct AutomaticCrops {
     int count = 2;
     int width = 0;  // pixels
     int height = 0;
+    Place place = {};
 };
 using Crops = std::variant<AutomaticCrops, std::vector<Placed<Window>>>;
 
@@ -50,10 +52,9 @@ struct ComparisonPanel {
     bool gain = false;  // captions say how many times less error, not the ratio of errors
 };
 
-enum class Effort { CpuSeconds, WallSeconds, Passes };
 // Error against effort, a plot for each scene. A Pareto plot marks what nothing beats in both.
 struct EffortPanel {
-    Effort effort = Effort::CpuSeconds;
+    Effort effort = Effort::Cpu;
     bool pareto = false;
 };
 // Ratios of errors to the baseline's, with intervals, in groups by scene.
@@ -77,12 +78,13 @@ struct MapsPanel {
 struct Panel {
     Place place;
     std::string title = {};
-    std::string experiment = {};                     // "" for the latest
-    std::vector<SceneEntry> scenes = {};             // empty for all
-    std::vector<Placed<std::string>> methods = {};   // empty for all
-    std::map<std::string, std::string> titles = {};  // of scenes and methods
-    Placed<std::string> metric = {};                 // "" for the experiment's first
-    Placed<std::string> budget = {};                 // "" for its only one
+    std::string experiment = {};                    // "" for the latest
+    std::vector<SceneEntry> scenes = {};            // empty for all
+    std::vector<Placed<std::string>> methods = {};  // empty for all
+    // Of scenes, methods, layers and a sweep's parameter, with the places of the names.
+    std::map<std::string, Placed<std::string>> titles = {};
+    Placed<std::string> metric = {};  // "" for the experiment's first
+    Placed<std::string> budget = {};  // "" for its only one; not of an EffortPanel
     std::variant<ComparisonPanel, EffortPanel, BarsPanel, SweepPanel, MapsPanel> kind;
 
     std::string title_of(const std::string& name) const;  // the name itself where there is none

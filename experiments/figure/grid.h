@@ -13,15 +13,17 @@
 namespace misbench::figure {
 
 struct GridText {
-    std::string text;
+    std::string text = {};
     bool bold = false;
 };
 
 struct GridCell {
-    std::optional<Raster> raster;  // absent: a grey field
-    std::string description;
-    GridText inset;  // written over its lower left corner
-    std::optional<Colour> frame;
+    std::optional<Raster> raster = {};  // absent: a grey field
+    std::string missing = "no run";     // what is written there
+    std::string description = {};
+    GridText inset = {};  // written over its lower left corner
+    std::optional<Colour> frame = {};
+    bool is_blank = false;  // has nothing at all
 };
 
 struct GridRow {
@@ -51,17 +53,14 @@ struct ColourBar {
 
 struct Grid {
     std::string title = {};
-    std::vector<std::string> columns;
-    std::vector<SceneBlock> blocks;
-    std::optional<ColourBar> bar;
+    std::vector<std::string> columns = {};
+    std::vector<SceneBlock> blocks = {};
+    std::optional<ColourBar> bar = {};
+    std::vector<std::string> notes = {};  // a line each, below all
 };
 
 // Returns the height. The grid is as wide as the style says; all columns have one width, that of
-// `room_for` columns where there are fewer.
+// `room_for` columns where there are fewer. Throws InvalidArgument where that is too little to see.
 double draw_grid(Drawing& drawing, const Style& style, const Grid& grid, double top,
                  std::size_t room_for = 0);
-
-// A line of text, made smaller where it would be wider than `width`.
-void add_fitting(Drawing& drawing, const Style& style, Label label, double width);
-
 }  // namespace misbench::figure

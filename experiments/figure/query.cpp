@@ -16,34 +16,15 @@ void require_known(const Placed<std::string>& name, const std::string& what,
             fmt::format("unknown {} '{}'; known: {}", what, name.value, fmt::join(known, " ")));
 }
 
-std::vector<Budget> budgets_of(const Plan& plan, const Panel& panel, bool one_budget) {
-    std::vector<std::string> known;
-    for (const Budget& budget : plan.budgets) {
-        known.push_back("'" + to_string(budget) + "'");
-        if (to_string(budget) == panel.budget.value) return {budget};
-    }
-    if (!panel.budget.value.empty()) {
-        fail_at(panel.budget.place, fmt::format("unknown budget '{}'; known: {}",
-                                                panel.budget.value, fmt::join(known, " ")));
-    }
-    if (one_budget && plan.budgets.size() != 1) {
-        fail_at(panel.place, fmt::format("the experiment has several budgets, of which the panel "
-                                         "needs one as 'budget'; known: {}",
-                                         fmt::join(known, " ")));
-    }
-    return plan.budgets;
-}
-
 }  // namespace
 
-Query ask(const Store& store, const Panel& panel, bool one_budget, bool with_reference) {
+Query ask(const Store& store, const Panel& panel, bool with_reference) {
     Query query;
     query.plan = store.experiment(panel.experiment);
-    query.budgets = budgets_of(query.plan, panel, one_budget);
     try {
         query.comparison = compare(store, query.plan, panel.metric.value);
     } catch (const ParameterError& e) {
-        fail_at(panel.metric.place, e.what());
+        fail_at(panel.metric.value.empty() ? panel.place : panel.metric.place, e.what());
     }
     std::vector<std::string> scenes;
     for (const PlannedScene& scene : query.plan.scenes) scenes.push_back(scene.name);
@@ -61,7 +42,38 @@ Query ask(const Store& store, const Panel& panel, bool one_budget, bool with_ref
         query.methods.push_back(method.value);
     }
     if (query.methods.empty()) query.methods = methods;
+    std::vector<std::string> titled = scenes;
+    titled.insert(titled.end(), query.plan.methods.begin(), query.plan.methods.end());
+    titled.emplace_back(kReference);
+    if (const auto* sweep = std::get_if<SweepPanel>(&panel.kind)) {
+        titled.push_back(sweep->parameter.value);
+    }
+    require_titles_of(panel, titled);
     return query;
+}
+
+void require_titles_of(const Panel& panel, const std::vector<std::string>& known) {
+    for (const auto& [name, title] : panel.titles) {
+        require_known({name, title.place}, "name in titles", known);
+    }
+}
+
+Budget budget_of(const Query& query, const Panel& panel) {
+    std::vector<std::string> known;
+    for (const Budget& budget : query.plan.budgets) {
+        known.push_back("'" + to_string(budget) + "'");
+        if (to_string(budget) == panel.budget.value) return budget;
+    }
+    if (!panel.budget.value.empty()) {
+        fail_at(panel.budget.place, fmt::format("unknown budget '{}'; known: {}",
+                                                panel.budget.value, fmt::join(known, " ")));
+    }
+    if (known.size() != 1) {
+        fail_at(panel.place, fmt::format("the experiment has several budgets, of which the panel "
+                                         "needs one as 'budget'; known: {}",
+                                         fmt::join(known, " ")));
+    }
+    return query.plan.budgets.front();
 }
 
 std::string short_name_of_metric(const std::string& id) {

@@ -85,21 +85,21 @@ double mean_within(const ValueMap& map, const Window& window) {
     return sum / (static_cast<double>(window.width) * window.height);
 }
 
-std::optional<ColourScale> scale_of(const std::vector<const ValueMap*>& maps, bool logarithmic) {
+ColourScale scale_of(const std::vector<const ValueMap*>& maps, bool logarithmic) {
     std::vector<double> positive;
     for (const ValueMap* map : maps) {
         std::ranges::copy_if(map->values, std::back_inserter(positive),
                              [](double value) { return value > 0 && std::isfinite(value); });
     }
-    if (positive.empty()) return std::nullopt;
+    if (positive.empty()) positive.push_back(1);
     std::ranges::sort(positive);
     const auto share = [&positive](double p) {
         return positive[static_cast<std::size_t>(p * static_cast<double>(positive.size() - 1))];
     };
     const double high = to_one_digit(share(kHighShare), true);
-    if (!logarithmic) return ColourScale{0, high, false};
+    if (!logarithmic) return {0, high, false};
     const double low = to_one_digit(share(kLowShare), false);
-    return ColourScale{low < high ? low : high / 10, high, true};
+    return {low < high ? low : high / 10, high, true};
 }
 
 }  // namespace misbench::figure

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "renderer/image/image.h"
@@ -58,8 +57,8 @@ Raster split(const Raster& left, const Raster& right);
 // REQUIRES: the window lies within the map and is not empty.
 double mean_within(const ValueMap& map, const Window& window);
 
-// From the 1st to the 99th percentile of the positive values, to one digit; absent where there are
-// none. A linear scale begins at 0.
-std::optional<ColourScale> scale_of(const std::vector<const ValueMap*>& maps, bool logarithmic);
+// From the 1st to the 99th percentile of the positive values, to one digit. A linear scale begins
+// at 0. It ends at 1 where there are none.
+ColourScale scale_of(const std::vector<const ValueMap*>& maps, bool logarithmic);
 
 }  // namespace misbench::figure

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "experiments/figure/axes.h"
 #include "experiments/figure/colour_map.h"
-#include "experiments/figure/grid.h"
 #include "experiments/figure/query.h"
 
 namespace misbench::figure {
@@ -48,11 +48,53 @@ void add_one(Drawing& drawing, const Plot& plot) {
     drawing.items.push_back(line(plot.at(plot.x().low, 1), plot.at(plot.x().high, 1), kBlack, 0.6));
 }
 
-const ComparedCell* measured(const Query& query, const std::string& scene,
-                             const std::string& method) {
-    const ComparedCell* cell = query.comparison.find(scene, method, query.budgets.front());
-    return cell != nullptr && cell->ratio ? cell : nullptr;
+// To the baseline; absent where something is not measured.
+std::optional<Estimate> ratio_of(const Query& query, const Budget& budget, const std::string& scene,
+                                 const std::string& method) {
+    const ComparedCell* cell = query.comparison.find(scene, method, budget);
+    return cell == nullptr ? std::nullopt : cell->ratio;
 }
+
+// The names of scenes below bars in groups: turned where they would be too small to read otherwise.
+class GroupNames {
+ public:
+    GroupNames(const Style& style, const Panel& panel, const std::vector<SceneEntry>& scenes,
+               double group_width)
+        : style_(style), group_width_(group_width) {
+        for (const SceneEntry& scene : scenes) {
+            names_.push_back(panel.title_of(scene.name.value));
+            widest_ =
+                std::max(widest_, text_width(style.typeface, names_.back(), style.small(), false));
+        }
+        is_turned_ = widest_ > 1.25 * group_width;
+    }
+
+    double height() const { return is_turned_ ? widest_ + 4 : 1.6 * style_.small(); }
+
+    void draw(Drawing& drawing, std::size_t group, Point below) const {
+        if (is_turned_) {
+            drawing.items.push_back(Label{.at = {below.x + 0.35 * style_.small(), below.y + 2},
+                                          .text = names_[group],
+                                          .size = style_.small(),
+                                          .anchor = Anchor::Right,
+                                          .upwards = true});
+            return;
+        }
+        add_fitting(drawing, style_,
+                    {.at = {below.x, below.y + style_.small()},
+                     .text = names_[group],
+                     .size = style_.small(),
+                     .anchor = Anchor::Middle},
+                    group_width_ - 2);
+    }
+
+ private:
+    const Style& style_;
+    double group_width_;
+    std::vector<std::string> names_;
+    double widest_ = 0;
+    bool is_turned_ = false;
+};
 
 // What the tasks of a method have as this parameter.
 double parameter_of(const Query& query, const Placed<std::string>& parameter,
@@ -78,57 +120,59 @@ double parameter_of(const Query& query, const Placed<std::string>& parameter,
 
 double draw_bars(Drawing& drawing, const Style& style, const Store& store, const Panel& panel,
                  double top) {
-    const Query query = ask(store, panel, true, false);
+    const Query query = ask(store, panel, false);
+    const Budget budget = budget_of(query, panel);
+    std::vector<std::size_t> methods;  // those with a bar: not the baseline
+    for (std::size_t m = 0; m < query.methods.size(); ++m) {
+        if (query.methods[m] != query.plan.baseline) methods.push_back(m);
+    }
+    struct Bar {
+        RatioPoint point;
+        Colour colour;
+    };
+    std::vector<Bar> bars;
     std::vector<RatioPoint> points;
-    std::vector<std::size_t> methods;  // of the points
-    const std::size_t n_methods = query.methods.size();
-    const double group = static_cast<double>(n_methods) + 1;
+    const double group = static_cast<double>(methods.size()) + 1;
     for (std::size_t s = 0; s < query.scenes.size(); ++s) {
-        for (std::size_t m = 0; m < n_methods; ++m) {
-            const auto* cell = measured(query, query.scenes[s].name.value, query.methods[m]);
-            if (cell == nullptr) continue;
-            points.push_back(
-                {group * static_cast<double>(s) + static_cast<double>(m), *cell->ratio});
-            methods.push_back(m);
+        for (std::size_t i = 0; i < methods.size(); ++i) {
+            const auto ratio =
+                ratio_of(query, budget, query.scenes[s].name.value, query.methods[methods[i]]);
+            if (!ratio) continue;
+            points.push_back({group * static_cast<double>(s) + static_cast<double>(i), *ratio});
+            bars.push_back({points.back(), series_colour(methods[i])});
         }
     }
     const double y = top + draw_title(drawing, style, panel.title, top);
-    const double height = std::min(0.5 * style.width, 130.0);
-    const Box box{0, y, style.width, height};
+    const Box box{0, y, style.width, std::min(0.5 * style.width, 130.0)};
     const double end = group * static_cast<double>(query.scenes.size()) - 1;
     const Plot plot(drawing, style, box, Axis{.low = -1, .high = end},
                     ratio_axis(points, ratio_label(query, panel)), "", false);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point tip = plot.at(points[i].x - 0.4, points[i].ratio.value);
-        const Point foot = plot.at(points[i].x + 0.4, 1);
+    for (const Bar& bar : bars) {
+        const Point tip = plot.at(bar.point.x - 0.4, bar.point.ratio.value);
+        const Point foot = plot.at(bar.point.x + 0.4, 1);
         drawing.items.push_back(
             filled({tip.x, std::min(tip.y, foot.y), foot.x - tip.x, std::abs(foot.y - tip.y)},
-                   series_colour(methods[i])));
-        add_whisker(drawing, plot, points[i], kBlack);
+                   bar.colour));
+        add_whisker(drawing, plot, bar.point, kBlack);
     }
     add_one(drawing, plot);
-    const double group_width = group * (plot.inner().width / (end + 1));
+    const GroupNames names(style, panel, query.scenes, group * (plot.inner().width / (end + 1)));
     for (std::size_t s = 0; s < query.scenes.size(); ++s) {
-        add_fitting(drawing, style,
-                    {.at = {plot.at(group * static_cast<double>(s) + group / 2 - 1, 1).x,
-                            box.bottom() + style.small()},
-                     .text = panel.title_of(query.scenes[s].name.value),
-                     .size = style.small(),
-                     .anchor = Anchor::Middle},
-                    group_width - 2);
+        const double x = plot.at(group * static_cast<double>(s) + group / 2 - 1, 1).x;
+        names.draw(drawing, s, {x, plot.inner().bottom()});
     }
     std::vector<LegendEntry> legend;
-    for (std::size_t m = 0; m < n_methods; ++m) {
-        if (std::ranges::find(methods, m) == methods.end()) continue;
+    for (const std::size_t m : methods) {
         legend.push_back({panel.title_of(query.methods[m]), series_colour(m), 1});
     }
-    const double legend_top = box.bottom() + 1.6 * style.small();
+    const double legend_top = plot.inner().bottom() + names.height();
     return legend_top + draw_legend(drawing, style, legend, legend_top) - top;
 }
 
 double draw_sweep(Drawing& drawing, const Style& style, const Store& store, const Panel& panel,
                   double top) {
-    const Query query = ask(store, panel, true, false);
+    const Query query = ask(store, panel, false);
+    const Budget budget = budget_of(query, panel);
     const auto& sweep = std::get<SweepPanel>(panel.kind);
     std::vector<double> xs;
     for (const std::string& method : query.methods) {
@@ -139,8 +183,10 @@ double draw_sweep(Drawing& drawing, const Style& style, const Store& store, cons
     for (const SceneEntry& scene : query.scenes) {
         std::vector<RatioPoint> points;
         for (std::size_t m = 0; m < query.methods.size(); ++m) {
-            const auto* cell = measured(query, scene.name.value, query.methods[m]);
-            if (cell != nullptr) points.push_back({xs[m], *cell->ratio});
+            auto ratio = ratio_of(query, budget, scene.name.value, query.methods[m]);
+            if (query.methods[m] == query.plan.baseline)
+                ratio = Estimate{.value = 1, .interval = {}, .why_none = {}};
+            if (ratio) points.push_back({xs[m], *ratio});
         }
         std::ranges::sort(points, {}, &RatioPoint::x);
         all.insert(all.end(), points.begin(), points.end());
@@ -159,7 +205,7 @@ double draw_sweep(Drawing& drawing, const Style& style, const Store& store, cons
             .points = {plot.at(*sweep.mark, plot.y().low), plot.at(*sweep.mark, plot.y().high)},
             .stroke = kGrey,
             .line_width = 0.8,
-            .dashes = {2.5, 1.5}});
+            .dashes = kDashes});
     }
     std::vector<LegendEntry> legend;
     for (std::size_t s = 0; s < lines.size(); ++s) {

@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::array kFamilies = {"Linux Biolinum O", "DejaVu Sans"};
 
-// Measures, and draws nothing.
+// Measures, and draws nothing. Without bounds: Cairo drops glyphs far outside of a surface.
 Context measuring_context() {
-    const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1));
+    const Surface surface(cairo_recording_surface_create(CAIRO_CONTENT_ALPHA, nullptr));
     return Context(cairo_create(surface.get()));
 }
 

@@ -25,13 +25,17 @@ std::string to_svg(const Drawing& drawing, const Typeface& typeface, const About
 std::string to_html(const Drawing& drawing, const Typeface& typeface, const About& about);
 
 struct TexFiles {
-    std::string tex;                    // a tikzpicture, whose text takes the paper's font
+    // A tikzpicture, whose text takes the paper's font, but no more room than it has in `typeface`.
+    std::string tex;
     std::vector<std::string> pictures;  // PNG, named STEM-1.png and so on
 };
-TexFiles to_tex(const Drawing& drawing, const std::string& stem, const About& about);
+TexFiles to_tex(const Drawing& drawing, const Typeface& typeface, const std::string& stem,
+                const About& about);
 
 inline const std::vector<std::string> kFormats = {".pdf", ".svg", ".png", ".tex", ".html"};
-// By the extension, one of kFormats; a .tex file gets its pictures beside it.
+// Throws InvalidArgument where the extension is none of kFormats, or TeX could not read the name.
+void require_format(const std::filesystem::path& path);
+// By the extension; a .tex file gets its pictures beside it. REQUIRES: require_format() agrees.
 void write_figure(const std::filesystem::path& path, const Drawing& drawing,
                   const Typeface& typeface, const About& about);
 

@@ -1,6 +1,8 @@
 // PDF and PNG.
 #include <cairo-pdf.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -78,6 +80,11 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int lengt
     return CAIRO_STATUS_SUCCESS;
 }
 
+void require_success(cairo_status_t status) {
+    if (status == CAIRO_STATUS_SUCCESS) return;
+    throw Error(Errc::Internal, std::string("draw a figure: ") + cairo_status_to_string(status));
+}
+
 void draw_all(cairo_surface_t* surface, const Drawing& drawing, const Typeface& typeface,
               double scale) {
     const Context cairo(cairo_create(surface));
@@ -85,10 +92,7 @@ void draw_all(cairo_surface_t* surface, const Drawing& drawing, const Typeface& 
     for (const Item& item : drawing.items) {
         std::visit([&](const auto& i) { draw(cairo.get(), typeface, i); }, item);
     }
-    if (cairo_status(cairo.get()) != CAIRO_STATUS_SUCCESS) {
-        throw Error(Errc::Internal, std::string("draw a figure: ") +
-                                        cairo_status_to_string(cairo_status(cairo.get())));
-    }
+    require_success(cairo_status(cairo.get()));
 }
 
 }  // namespace
@@ -106,6 +110,7 @@ std::string to_pdf(const Drawing& drawing, const Typeface& typeface, const About
     set(CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
     draw_all(surface.get(), drawing, typeface, 1);
     cairo_surface_finish(surface.get());
+    require_success(cairo_surface_status(surface.get()));
     return bytes;
 }
 
@@ -114,6 +119,14 @@ std::string to_png(const Drawing& drawing, const Typeface& typeface) {
     const auto pixels = [scale](double length) {
         return static_cast<int>(std::lround(length * scale));
     };
+    constexpr int kMostPixels = 32'767;  // a side, of Cairo's images
+    if (std::max(pixels(drawing.width), pixels(drawing.height)) > kMostPixels) {
+        throw Error(
+            Errc::InvalidArgument,
+            fmt::format("draw a figure: {:.0f} x {:.0f} pt is too large for PNG; PDF or SVG "
+                        "may be as large",
+                        drawing.width, drawing.height));
+    }
     const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, pixels(drawing.width),
                                                      pixels(drawing.height)));
     {
@@ -123,7 +136,7 @@ std::string to_png(const Drawing& drawing, const Typeface& typeface) {
     }
     draw_all(surface.get(), drawing, typeface, scale);
     std::string bytes;
-    cairo_surface_write_to_png_stream(surface.get(), append, &bytes);
+    require_success(cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
     return bytes;
 }
 

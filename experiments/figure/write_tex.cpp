@@ -1,6 +1,8 @@
 // TikZ, and the choice of a format.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "experiments/figure/write.h"
 #include "experiments/report/table_formats.h"
 #include "renderer/base/error.h"
@@ -19,7 +21,8 @@ std::string definition(const Colour& colour) {
 // TeX's big points are the others' points, and its y goes upwards.
 class TexWriter {
  public:
-    explicit TexWriter(std::string stem) : stem_(std::move(stem)) {}
+    TexWriter(const Typeface& typeface, std::string stem)
+        : typeface_(typeface), stem_(std::move(stem)) {}
 
     void operator()(const Picture& picture) {
         const Raster& raster = picture.raster;
@@ -59,54 +62,69 @@ class TexWriter {
         constexpr const char* kAnchors[] = {"base west", "base", "base east"};
         files_.tex += fmt::format(
             "\\node[inner sep=0, anchor={}, text={}{}, font=\\fontsize{{{}bp}}{{{}bp}}"
-            "\\selectfont{}] at ({:.3f}bp,{:.3f}bp) {{{}}};\n",
+            "\\selectfont{}] at ({:.3f}bp,{:.3f}bp) {{\\figurefit{{{:.3f}bp}}{{{}}}}};\n",
             kAnchors[static_cast<int>(label.anchor)], definition(label.colour),
             label.upwards ? ", rotate=90" : "", label.size, 1.2 * label.size,
-            label.bold ? "\\bfseries" : "", label.at.x, -label.at.y, escape_latex(label.text));
+            label.bold ? "\\bfseries" : "", label.at.x, -label.at.y,
+            text_width(typeface_, label.text, label.size, label.bold), escape_latex(label.text));
     }
 
     TexFiles& files() { return files_; }
 
  private:
+    const Typeface& typeface_;
     std::string stem_;
     TexFiles files_;
 };
 
 }  // namespace
 
-TexFiles to_tex(const Drawing& drawing, const std::string& stem, const About& about) {
-    TexWriter writer(stem);
+TexFiles to_tex(const Drawing& drawing, const Typeface& typeface, const std::string& stem,
+                const About& about) {
+    TexWriter writer(typeface, stem);
     writer.files().tex = fmt::format(
         "% {}\n% Needs \\usepackage{{tikz}}; \\input where the figure shall be.\n"
-        "\\begin{{tikzpicture}}\n\\useasboundingbox (0,0) rectangle ({:.3f}bp,{:.3f}bp);\n",
+        "\\begin{{tikzpicture}}\n"
+        "\\def\\figurefit#1#2{{\\setbox0\\hbox{{#2}}\\ifdim\\wd0>#1\\relax\\resizebox{{#1}}{{!}}"
+        "{{\\box0}}\\else\\box0\\fi}}\n\\useasboundingbox (0,0) rectangle ({:.3f}bp,{:.3f}bp);\n",
         about.title, drawing.width, -drawing.height);
     for (const Item& item : drawing.items) std::visit(writer, item);
     writer.files().tex += "\\end{tikzpicture}%\n";
     return writer.files();
 }
 
+void require_format(const std::filesystem::path& path) {
+    const std::string extension = path.extension();
+    if (std::ranges::find(kFormats, extension) == kFormats.end()) {
+        throw Error(Errc::InvalidArgument, fmt::format("write '{}': unknown extension; known: {}",
+                                                       path.string(), fmt::join(kFormats, " ")));
+    }
+    constexpr std::string_view kInNames =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.";
+    if (extension == ".tex" &&
+        path.stem().string().find_first_not_of(kInNames) != std::string::npos) {
+        throw Error(Errc::InvalidArgument,
+                    fmt::format("write '{}': for TeX a name must be of letters, digits, '-', '_' "
+                                "and '.'",
+                                path.string()));
+    }
+}
+
 void write_figure(const std::filesystem::path& path, const Drawing& drawing,
                   const Typeface& typeface, const About& about) {
     const std::string extension = path.extension();
-    if (extension == ".pdf") {
-        write_file_durably(path, to_pdf(drawing, typeface, about));
-    } else if (extension == ".svg") {
-        write_file_durably(path, to_svg(drawing, typeface, about));
-    } else if (extension == ".png") {
-        write_file_durably(path, to_png(drawing, typeface));
-    } else if (extension == ".html") {
-        write_file_durably(path, to_html(drawing, typeface, about));
-    } else if (extension == ".tex") {
+    if (extension == ".pdf") write_file_durably(path, to_pdf(drawing, typeface, about));
+    if (extension == ".svg") write_file_durably(path, to_svg(drawing, typeface, about));
+    if (extension == ".png") write_file_durably(path, to_png(drawing, typeface));
+    if (extension == ".html") write_file_durably(path, to_html(drawing, typeface, about));
+    if (extension == ".tex") {
         const std::string stem = path.stem();
-        const TexFiles files = to_tex(drawing, stem, about);
+        const TexFiles files = to_tex(drawing, typeface, stem, about);
         for (std::size_t i = 0; i < files.pictures.size(); ++i) {
             write_file_durably(path.parent_path() / fmt::format("{}-{}.png", stem, i + 1),
                                files.pictures[i]);
         }
         write_file_durably(path, files.tex);
-    } else {
-        throw Error(Errc::InvalidArgument, fmt::format("write '{}': unknown extension; known: {}",
-                                                       path.string(), fmt::join(kFormats, " ")));
     }
 }
 

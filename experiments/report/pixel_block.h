@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "renderer/image/image.h"
 
@@ -24,7 +23,5 @@ struct PixelBlock {
     std::string bytes;
 };
 PixelBlock pack_pixels(const Image& image, Precision precision);
-
-std::string base64(std::string_view bytes);
 
 }  // namespace misbench

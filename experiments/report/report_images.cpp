@@ -7,6 +7,7 @@
 
 #include "experiments/analysis/cell_images.h"
 #include "experiments/report/numbers.h"
+#include "renderer/base/base64.h"
 #include "renderer/base/error.h"
 
 namespace misbench {

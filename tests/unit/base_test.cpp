@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "renderer/base/base64.h"
 #include "renderer/base/budget.h"
 #include "renderer/base/error.h"
 #include "renderer/base/files.h"
@@ -42,6 +43,15 @@ TEST(Sha256, AgreesWithItsStandard) {
     in_parts.update("a");
     in_parts.update("bc");
     EXPECT_EQ(in_parts.hex(), sha256_hex("abc"));
+}
+
+// Test vectors of RFC 4648, section 10, and the two digits that URLs write otherwise.
+TEST(Base64, AgreesWithItsStandard) {
+    EXPECT_EQ(base64(""), "");
+    EXPECT_EQ(base64("f"), "Zg==");
+    EXPECT_EQ(base64("fo"), "Zm8=");
+    EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+    EXPECT_EQ(base64("\xfb\xff"), "+/8=");
 }
 
 TEST_F(Files, AreReadAsTheyWereWritten) {

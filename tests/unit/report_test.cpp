@@ -137,13 +137,6 @@ TEST(PixelBlock, ABlackImageIsBlack) {
     EXPECT_THAT(decoded, testing::Each(0.0));
 }
 
-TEST(PixelBlock, WritesBase64) {
-    EXPECT_EQ(base64(""), "");
-    EXPECT_EQ(base64("f"), "Zg==");
-    EXPECT_EQ(base64("fo"), "Zm8=");
-    EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
-}
-
 // --- reports -------------------------------------------------------------------------------------
 
 class ReportTest : public testing::Test {

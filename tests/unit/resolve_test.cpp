@@ -397,7 +397,7 @@ TEST_F(ResolveTest, TheSceneFolderIsTheOptionOrElseTheEnvironmentsOrElseTheSourc
     unsetenv("MISBENCH_SCENES");
 }
 
-// Those of the extremes name scenes that a program writes; figures are of experiments.
+// Those of the extremes name scenes that a program writes; those of figures are no experiments.
 bool is_on_our_scenes(const fs::path& file) {
     const fs::path folder = file.parent_path().filename();
     return file.extension() == ".yaml" && folder != "extremes" && folder != "figures" &&
