@@ -272,12 +272,13 @@ int run_plan(const RunOptions& options, const Plan& largest) {
             return print_outcome(store, stored);
         }
         const RuleOutcome outcome = outcome_of_rule(comparison);
+        const std::size_t n_wide = outcome.n_ratios() - outcome.n_narrow;
         const std::size_t n_further = next->cells.size() - plan.cells.size();
-        progress = fmt::format("round {}, {} of {} ratios wide: ", round + 1, outcome.n_wide,
-                               outcome.n_ratios);
+        progress =
+            fmt::format("round {}, {} of {} ratios wide: ", round + 1, n_wide, outcome.n_ratios());
         if (progress_mode(options.progress) != ProgressMode::Never) {
             spdlog::info("round ended round={} ratios={} wide={} further_runs={}", round,
-                         outcome.n_ratios, outcome.n_wide, n_further);
+                         outcome.n_ratios(), n_wide, n_further);
         }
         plan = std::move(*next);
     }
