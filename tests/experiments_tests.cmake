@@ -13,6 +13,7 @@ misbench_test(path_story_test unit misbench_cli)
 misbench_test(image_list_test unit misbench_cli)
 misbench_test(run_test e2e misbench_results)
 misbench_test(adaptive_test e2e misbench_results)
+misbench_test(reference_test e2e misbench_results)
 misbench_test(claims_test e2e misbench_results)
 misbench_test(lab_test unit misbench_lab)
 misbench_test(lab_sampling_test stat misbench_lab Boost::boost)
@@ -32,7 +33,7 @@ add_test(NAME ReplayTest COMMAND replay_test)
 add_test(NAME StoresTest COMMAND stores_test)
 set_tests_properties(CliTest ReplayTest StoresTest PROPERTIES LABELS e2e TIMEOUT 300)
 
-foreach(test adaptive_test claims_test cli_test replay_test run_test stores_test)
+foreach(test adaptive_test claims_test cli_test reference_test replay_test run_test stores_test)
   target_compile_definitions(${test} PRIVATE
     MISBENCH_PROGRAM="$<TARGET_FILE:misbench>"
     MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
