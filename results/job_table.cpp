@@ -75,6 +75,12 @@ std::string head_of(const Plan& plan) {
     return plan_to_json(head).dump();
 }
 
+// What no experiment asks for any more is not worked on, unless a worker is at it already.
+void delete_unwanted_tasks(const Database& database) {
+    database.execute(
+        "DELETE FROM tasks WHERE state <> 'leased' AND id NOT IN (SELECT task FROM cells)");
+}
+
 constexpr std::string_view kSelectTasks =
     "SELECT id, task, block, position, state, epoch, worker, losses, failures, error FROM tasks ";
 
@@ -141,9 +147,14 @@ void insert_experiment(const Database& database, const ExperimentFile& file) {
     database.prepare("DELETE FROM cells WHERE experiment = ?1").bind(name).run();
     insert_tasks(database, file.plan);
     insert_cells(database, file.plan);
-    // What no experiment asks for any more is not worked on, unless a worker is at it already.
-    database.execute(
-        "DELETE FROM tasks WHERE state <> 'leased' AND id NOT IN (SELECT task FROM cells)");
+    delete_unwanted_tasks(database);
+    transaction.commit();
+}
+
+void delete_experiment(const Database& database, const std::string& name) {
+    Transaction transaction(database);
+    database.prepare("DELETE FROM experiments WHERE name = ?1").bind(name).run();
+    delete_unwanted_tasks(database);
     transaction.commit();
 }
 

@@ -24,6 +24,7 @@ std::vector<std::optional<ReferenceIds>> references_of(const Plan& plan);
 
 // In one transaction. Idempotent.
 void insert_experiment(const Database& database, const ExperimentFile& file);
+void delete_experiment(const Database& database, const std::string& name);
 
 std::vector<TaskRow> select_tasks(const Database& database);
 std::optional<TaskRow> select_task(const Database& database, const std::string& id);

@@ -71,11 +71,18 @@ void Store::put_experiment(const Plan& plan) {
     insert_experiment(*database_, write_experiment_file(folder_, kept, std::max(now, after)));
 }
 
+void Store::drop_experiment(const std::string& name) {
+    delete_experiment(*database_, name);
+    fs::remove(experiment_path(folder_, name));
+}
+
 std::vector<std::string> Store::experiments() const {
     Statement select =
         database_->prepare("SELECT name FROM experiments ORDER BY submitted_at_ms DESC, name");
     std::vector<std::string> names;
     while (select.step()) names.push_back(select.text(0));
+    std::ranges::stable_partition(
+        names, [](const std::string& name) { return !name.ends_with(kReferencesAlone); });
     return names;
 }
 

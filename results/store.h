@@ -104,6 +104,9 @@ struct Reindexed {
     std::vector<std::string> damaged;
 };
 
+// Ends the name of an experiment of nothing but references, which is there while they are rendered.
+inline constexpr const char* kReferencesAlone = ".references";
+
 class Store {
  public:
     enum class Access { ReadOnly, ReadWrite };
@@ -126,7 +129,10 @@ class Store {
     // A task that no experiment asks for any more leaves the job table, unless it is Leased. Throws
     // InvalidArgument for a name that cannot be a file's, and like keep_imported().
     void put_experiment(const Plan& plan);
-    std::vector<std::string> experiments() const;  // names, the latest put first
+    // Its runs stay; its tasks leave the job table like above. Nothing happens where there is none.
+    void drop_experiment(const std::string& name);
+    // Names, the latest put first, those of references alone last.
+    std::vector<std::string> experiments() const;
     // "" means the latest. Throws NotFound with the names that are known.
     Plan experiment(const std::string& name) const;
     // The same without its cells, which are most of a large plan: all that a table needs.

@@ -63,7 +63,7 @@ foreach(test bidirectional_test correction_moments_test direct_test load_test in
 endforeach()
 
 # Embree's two queries pass through the benchmark, which keeps and replays them.
-misbench_bench(render_bench misbench_renderer embree)
+misbench_bench(render_bench misbench_renderer misbench_statistics embree)
 target_link_options(render_bench PRIVATE -Wl,--wrap=rtcIntersect1 -Wl,--wrap=rtcOccluded1)
 target_compile_definitions(render_bench PRIVATE MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")
 

@@ -317,8 +317,14 @@ Comparison compare(const Store& store, const Plan& plan, const Question& questio
                           .methods = plan.methods,
                           .budgets = wanted_budgets(plan, question.budget),
                           .cells = {}};
-    comparison.seed_rule = plan.seed_rule;
-    if (plan.seed_rule) comparison.rule_metric = plan.metrics.front();
+    if (plan.seed_rule) {
+        comparison.seed_rule = {.rule = *plan.seed_rule,
+                                .metric = plan.metrics.front(),
+                                .baseline = plan.baseline,
+                                .is_of_these = comparison.metric == plan.metrics.front() &&
+                                               comparison.baseline == plan.baseline &&
+                                               question.where.empty()};
+    }
     for (const PlannedScene& scene : plan.scenes) comparison.scenes.push_back(scene.name);
     std::map<std::string, Budget> budgets;
     for (const Budget& b : comparison.budgets) budgets.emplace(to_string(b), b);

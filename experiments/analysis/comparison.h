@@ -75,14 +75,21 @@ std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b);
 // "4 of 5 seeds: 1 failed"; "" when all seeds are measured.
 std::string status_of(const ComparedCell& cell);
 
+// The plan's seed rule, and the ratios that it is about.
+struct ComparedRule {
+    SeedRule rule;
+    std::string metric;
+    std::string baseline;
+    bool is_of_these = false;  // they are those of the comparison, over all seeds
+};
+
 struct Comparison {
     std::string experiment;
     std::string metric;
     std::string formula;  // of the metric
     Direction better = Direction::Less;
     std::string baseline;  // what ratios are to: a label, kToBest or kToNone
-    std::optional<SeedRule> seed_rule = std::nullopt;  // of the plan
-    std::string rule_metric = {};                      // whose ratios the rule is about
+    std::optional<ComparedRule> seed_rule = std::nullopt;
     std::vector<std::string> scenes;   // as in the plan; then the means over scenes, if any
     std::vector<std::string> methods;  // as in the plan
     std::vector<Budget> budgets;       // as in the plan, or the one asked for

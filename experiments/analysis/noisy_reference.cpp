@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "experiments/plan/imported.h"
 #include "renderer/base/error.h"
 
 namespace misbench {
@@ -35,6 +36,10 @@ std::vector<CellReferenceShare> cell_reference_shares(const Store& store, const 
 Plan with_better_references(Plan plan, const std::set<std::string>& scenes, std::int64_t factor) {
     for (Cell& cell : plan.cells) {
         if (cell.role == Role::Test || !scenes.contains(cell.scene)) continue;
+        if (is_imported(cell.task)) {
+            throw Error(Errc::InvalidArgument, "improve the reference of '" + cell.scene +
+                                                   "': it was imported; import a better one");
+        }
         auto* samples = std::get_if<SampleBudget>(&cell.budget);
         std::int64_t product = 0;
         if (samples == nullptr || __builtin_mul_overflow(samples->samples, factor, &product)) {
@@ -46,6 +51,25 @@ Plan with_better_references(Plan plan, const std::set<std::string>& scenes, std:
         cell.task.budget = cell.budget;
     }
     return plan;
+}
+
+Plan references_alone(const Plan& plan, const std::set<std::string>& scenes) {
+    Plan halves{.experiment = plan.experiment + kReferencesAlone,
+                .description = "",
+                .scenes = {},
+                .methods = {},
+                .budgets = {},
+                .baseline = "",
+                .metrics = plan.metrics,
+                .cells = {},
+                .configuration = "{}"};
+    for (const PlannedScene& scene : plan.scenes) {
+        if (scenes.contains(scene.name)) halves.scenes.push_back(scene);
+    }
+    for (const Cell& cell : plan.cells) {
+        if (cell.role != Role::Test && scenes.contains(cell.scene)) halves.cells.push_back(cell);
+    }
+    return halves;
 }
 
 }  // namespace misbench

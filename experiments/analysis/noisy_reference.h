@@ -25,7 +25,11 @@ struct CellReferenceShare {
 std::vector<CellReferenceShare> cell_reference_shares(const Store& store, const Plan& plan);
 
 // With `factor` times the samples in the halves of these scenes' references. Their seeds stay, so
-// the samples that are there are among the new ones.
+// the samples that are there are among the new ones. Throws InvalidArgument for a reference that
+// has no number of samples, or that was imported.
 Plan with_better_references(Plan plan, const std::set<std::string>& scenes, std::int64_t factor);
+
+// The halves of these scenes' references, as an experiment that exists while they are rendered.
+Plan references_alone(const Plan& plan, const std::set<std::string>& scenes);
 
 }  // namespace misbench

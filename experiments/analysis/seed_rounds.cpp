@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "experiments/plan/imported.h"
 #include "experiments/statistics/allocation.h"
 
 namespace misbench {
@@ -28,7 +29,7 @@ Plan with_seeds(const Plan& largest, const auto& n_seeds) {
     return plan;
 }
 
-// The ratios that a comparison has, each with its cells, and their baselines.
+// The ratios that a comparison has of rendered methods, each with its cells, and their baselines.
 struct Ratios {
     std::vector<const ComparedCell*> methods;
     std::vector<const ComparedCell*> baselines;
@@ -41,7 +42,10 @@ Ratios ratios_of(const Comparison& comparison) {
     for (const ComparedCell& cell : comparison.cells) {
         const ComparedCell* baseline =
             comparison.find(cell.scene, comparison.baseline, cell.budget);
-        if (cell.is_baseline || baseline == nullptr) continue;
+        const bool is_imported = cell.parameters.contains(kImportParameter);
+        if (cell.is_baseline || cell.is_mean_of_scenes || is_imported || baseline == nullptr) {
+            continue;
+        }
         auto known = std::ranges::find(ratios.baselines, baseline);
         if (known == ratios.baselines.end()) {
             ratios.rendered_baselines.push_back(
@@ -80,58 +84,73 @@ Plan first_round(const Plan& largest) {
 
 std::optional<Plan> next_round(const Plan& largest, const Comparison& comparison) {
     if (!largest.seed_rule || has_unfinished(comparison)) return std::nullopt;
-    Ratios ratios = ratios_of(comparison);
-    std::vector<std::size_t> open;
+    std::map<CellKey, int> n_most;
+    for (const Cell& cell : largest.cells) n_most[key_of(cell)] += cell.role == Role::Test ? 1 : 0;
+    std::map<CellKey, int> n_seeds;
+    for (const ComparedCell& cell : comparison.cells) n_seeds[key_of(cell)] = cell.n_planned;
+    const auto seeds_of = [&n_seeds](const CellKey& key) { return n_seeds[key]; };
+    const std::size_t n_before = with_seeds(largest, seeds_of).cells.size();
+
+    const Ratios ratios = ratios_of(comparison);
+    std::vector<const ComparedCell*> open;
     std::vector<RenderedRatio> rendered;
     for (std::size_t r = 0; r < ratios.rendered.size(); ++r) {
         if (!are_complete(ratios, r)) continue;
-        open.push_back(r);
+        open.push_back(ratios.methods[r]);
         rendered.push_back(ratios.rendered[r]);
+        rendered.back().most_seeds = n_most[key_of(*open.back())];
     }
-    const std::vector<int> n_next = allocate(
-        ratios.rendered_baselines, rendered,
-        {.most_seeds = largest.seed_rule->max, .halfwidth = largest.seed_rule->ratio_halfwidth});
-    std::map<CellKey, int> n_seeds;
-    for (const ComparedCell& cell : comparison.cells) n_seeds[key_of(cell)] = cell.n_planned;
+    const std::vector<int> n_next =
+        allocate(ratios.rendered_baselines, rendered, largest.seed_rule->ratio_halfwidth);
     for (std::size_t i = 0; i < open.size(); ++i) {
-        const ComparedCell& method = *ratios.methods[open[i]];
-        n_seeds[key_of(method)] = n_next[i];
+        n_seeds[key_of(*open[i])] = n_next[i];
         int& n_baseline = n_seeds[key_of(*ratios.baselines[rendered[i].baseline])];
         n_baseline = std::max(n_baseline, n_next[i]);
     }
-    Plan plan = with_seeds(largest, [&n_seeds](const CellKey& key) { return n_seeds[key]; });
-    const auto n_planned = std::ranges::count(plan.cells, Role::Test, &Cell::role);
-    std::ptrdiff_t n_before = 0;
-    for (const ComparedCell& cell : comparison.cells) n_before += cell.n_planned;
-    if (n_planned == n_before) return std::nullopt;
+    Plan plan = with_seeds(largest, seeds_of);
+    if (plan.cells.size() == n_before) return std::nullopt;
     return plan;
 }
 
 RuleOutcome outcome_of_rule(const Comparison& comparison) {
     RuleOutcome outcome;
     if (!comparison.seed_rule) return outcome;
-    for (const RenderedRatio& rendered : ratios_of(comparison).rendered) {
-        ++outcome.n_ratios;
-        if (is_narrow(rendered.ratio, comparison.seed_rule->ratio_halfwidth)) continue;
-        ++outcome.n_wide;
-        if (rendered.n >= comparison.seed_rule->max) ++outcome.n_at_most;
+    const SeedRule& rule = comparison.seed_rule->rule;
+    const Ratios ratios = ratios_of(comparison);
+    for (std::size_t r = 0; r < ratios.rendered.size(); ++r) {
+        const ComparedCell& cell = *ratios.methods[r];
+        const ComparedCell& baseline = *ratios.baselines[ratios.rendered[r].baseline];
+        if (is_narrow(ratios.rendered[r].ratio, rule.ratio_halfwidth)) {
+            ++outcome.n_narrow;
+        } else if (cell.n_unfinished + baseline.n_unfinished > 0) {
+            ++outcome.n_open;
+        } else if (!are_complete(ratios, r)) {
+            ++outcome.n_incomplete;
+        } else {
+            ++(cell.n_planned < rule.max ? outcome.n_open : outcome.n_at_most);
+        }
     }
     return outcome;
 }
 
 std::string seed_rule_footnote(const Comparison& comparison) {
     if (!comparison.seed_rule) return "";
-    const SeedRule& rule = *comparison.seed_rule;
-    const bool is_of_metric = comparison.metric == comparison.rule_metric;
+    const auto& [rule, metric, baseline, is_of_these] = *comparison.seed_rule;
     std::string line = fmt::format(
-        "seeds: {} to {}, until the half width of each ratio{} is {:.3g} %", rule.min, rule.max,
-        is_of_metric ? "" : " of " + comparison.rule_metric, 100 * rule.ratio_halfwidth);
-    if (!is_of_metric) return line;
+        "seeds: {} to {}, until the ratio{} is known within ± {:.3g} %", rule.min, rule.max,
+        is_of_these ? "" : " to '" + baseline + "' in " + metric, 100 * rule.ratio_halfwidth);
+    if (!is_of_these) return line;
     const RuleOutcome outcome = outcome_of_rule(comparison);
-    line += fmt::format(": {} of {} ratios stopped at {}", outcome.n_at_most, outcome.n_ratios,
-                        rule.max);
-    const std::size_t n_open = outcome.n_wide - outcome.n_at_most;
-    if (n_open > 0) line += fmt::format(", {} wide and not finished", n_open);
+    line += fmt::format(": met by {} of {} ratios", outcome.n_narrow, outcome.n_ratios());
+    const char* separator = "; ";
+    const auto add = [&](std::size_t n, const std::string& what) {
+        if (n == 0) return;
+        line += separator + fmt::format("{} {}", n, what);
+        separator = ", ";
+    };
+    add(outcome.n_at_most, fmt::format("stopped at {} seeds", rule.max));
+    add(outcome.n_incomplete, "left with failed or invalid runs");
+    add(outcome.n_open, "wide with fewer seeds");
     return line;
 }
 

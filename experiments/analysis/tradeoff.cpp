@@ -110,7 +110,7 @@ TradeoffMethod method_of(const Curve& curve, Effort effort, const std::optional<
     const SeedCurves curves = seed_curves(curve, effort, seeds);
     method.slope = fit_slope(curves);
     method.floor = fit_floor(seed_curves(curve, Effort::Passes, seeds));
-    if (target) method.to_target = effort_to_reach(curves, *target);
+    if (target) method.to_target = effort_to_reach(curves, *target, method.floor);
     return method;
 }
 
@@ -310,6 +310,7 @@ Tradeoff tradeoff(const Store& store, const Plan& plan, Effort effort,
                     .metric = wanted_metric(plan, question.metric),
                     .effort = effort,
                     .baseline = wanted_baseline(plan, question.against),
+                    .is_target_given = question.target.has_value(),
                     .scenes = {},
                     .overall = {}};
     const std::vector<std::string> scenes = wanted_scenes(plan, question.scene);

@@ -54,6 +54,7 @@ struct Tradeoff {
     std::string metric;
     Effort effort = Effort::Cpu;
     std::string baseline;
+    bool is_target_given = false;  // one for all scenes
     std::vector<TradeoffScene> scenes;
     std::vector<OverallTradeoff> overall;
 };

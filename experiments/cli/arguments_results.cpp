@@ -201,9 +201,8 @@ void add_reference(CLI::App& app, Chosen& chosen) {
     verb.add_option("--experiment", options->experiment, "its name; default: the latest");
     CLI::Option* improve =
         verb.add_option("--improve", options->improve,
-                        "render so many times the samples where a reference is too noisy; 1 goes "
-                        "on where that was interrupted")
-            ->check(CLI::Range(1, 1000));
+                        "render so many times the samples where a reference is too noisy")
+            ->check(CLI::Range(2, 1000));
     verb.add_flag("--all", options->all, "of all scenes")->needs(improve);
     verb.add_option("--workers", options->run.workers, "worker processes")
         ->check(CLI::Range(1, 1024))

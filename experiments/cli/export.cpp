@@ -1,10 +1,11 @@
-// misbench export: the images of an experiment as files with names for people, and a list of them
+// misbench export: the images of an experiment as files with names for people, and lists of them
 // that `misbench import` reads back.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <set>
+#include <tuple>
 
 #include "experiments/analysis/cell_images.h"
 #include "experiments/cli/output.h"
@@ -20,6 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kList = "images.csv";
+// Of the images on the way of runs: each is what a budget of so many samples gives.
+constexpr const char* kSnapshotList = "snapshots.csv";
+constexpr const char* kListHeader =
+    "path,scene,method,seed,budget,passes,cpu_seconds,wall_seconds,renderer\n";
 
 // As a part of a path: '/' stays, which makes folders of scenes such as Box/LightTop.
 std::string as_path(const std::string& name) {
@@ -45,7 +50,10 @@ class Exporter {
                 for (const Budget& budget : plan_.budgets) export_cell(scene, method, budget);
             }
         }
-        write_file_durably(folder_ / kList, list_);
+        write_file_durably(folder_ / kList, kListHeader + list_);
+        if (!snapshot_list_.empty()) {
+            write_file_durably(folder_ / kSnapshotList, kListHeader + snapshot_list_);
+        }
     }
 
     int n_images() const { return n_images_; }
@@ -74,16 +82,25 @@ class Exporter {
         return path;
     }
 
-    void list(const std::string& path, const Cell& cell, const Record& record) {
-        const RenderStatistics& s = record.statistics;
+    // A line of a list.
+    static std::string line(const std::string& path, const Cell& cell, const Budget& budget,
+                            const auto& statistics, const Record& record) {
         const auto known = [](double value) { return value > 0 ? fmt::format("{}", value) : ""; };
         const std::string& build = record.provenance.build_id;
         std::string renderer = is_imported(record.task) ? build : "misbench " + build;
         if (is_imported(record.task) && build == kUnknownRenderer) renderer.clear();
-        list_ += fmt::format("{},{},{},{},{},{},{},{},{}\n", escape_csv(path),
-                             escape_csv(cell.scene), escape_csv(cell.method), cell.seed,
-                             to_string(cell.budget), s.passes > 0 ? std::to_string(s.passes) : "",
-                             known(s.cpu_seconds), known(s.wall_seconds), escape_csv(renderer));
+        return fmt::format("{},{},{},{},{},{},{},{},{}\n", escape_csv(path), escape_csv(cell.scene),
+                           escape_csv(cell.method), cell.seed, to_string(budget),
+                           statistics.passes > 0 ? std::to_string(statistics.passes) : "",
+                           known(statistics.cpu_seconds), known(statistics.wall_seconds),
+                           escape_csv(renderer));
+    }
+
+    // Neither a budget nor another budget's snapshot is that image already.
+    bool is_new_point(const Cell& cell, std::int64_t samples) {
+        const bool is_budget =
+            std::ranges::find(plan_.budgets, Budget(SampleBudget{samples})) != plan_.budgets.end();
+        return !is_budget && points_.insert({cell.scene, cell.method, cell.seed, samples}).second;
     }
 
     void export_run(const std::string& name, const Cell& cell, const PlannedScene& scene) {
@@ -93,7 +110,16 @@ class Exporter {
             ++n_left_out_;
             return;
         }
-        list(write(name, store_.run_image(record->run), scene), cell, *record);
+        list_ += line(write(name, store_.run_image(record->run), scene), cell, cell.budget,
+                      record->statistics, *record);
+        for (const SnapshotRecord& snapshot : record->snapshots) {
+            const std::int64_t samples = snapshot.statistics.samples;
+            const std::string path =
+                write(name + "." + fs::path(snapshot_file(samples)).stem().string(),
+                      store_.snapshot_image(record->run, samples), scene);
+            if (!is_new_point(cell, samples)) continue;
+            snapshot_list_ += line(path, cell, SampleBudget{samples}, snapshot.statistics, *record);
+        }
     }
 
     void export_references(const PlannedScene& scene) {
@@ -132,7 +158,9 @@ class Exporter {
     const Plan& plan_;
     fs::path folder_;
     std::set<std::string> paths_;
-    std::string list_ = "path,scene,method,seed,budget,passes,cpu_seconds,wall_seconds,renderer\n";
+    std::string list_;
+    std::string snapshot_list_;
+    std::set<std::tuple<std::string, std::string, std::int64_t, std::int64_t>> points_;
     int n_images_ = 0;
     int n_left_out_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "experiments/analysis/seed_rounds.h"
 #include "experiments/cli/output.h"
 #include "experiments/cli/verbs.h"
 #include "experiments/cost_model.h"
@@ -18,10 +19,12 @@ struct PlannedTask {
     std::string id;
     const Cell* cell;
     bool is_stored;
+    bool is_certain;  // not only for a ratio that fewer seeds leave wide
     Cost cost;
 };
 
 struct Totals {
+    std::size_t n_tasks = 0;
     std::size_t n_stored = 0;
     double seconds_to_do = 0;
     bool has_guess = false;
@@ -32,18 +35,24 @@ std::vector<PlannedTask> tasks_of(const Plan& plan, const Store* store) {
     CostModel costs(store);
     std::vector<PlannedTask> tasks;
     std::set<std::string> seen;
+    std::set<std::string> certain;
+    for (const Cell& cell : first_round(plan).cells) certain.insert(task_id(cell.task));
     for (const Cell& cell : plan.cells) {
         const std::string id = task_id(cell.task);
         if (!seen.insert(id).second) continue;
-        tasks.push_back(
-            {id, &cell, store != nullptr && store->has_run(id), costs.estimate(cell.task)});
+        tasks.push_back({id, &cell, store != nullptr && store->has_run(id), certain.contains(id),
+                         costs.estimate(cell.task)});
     }
     return tasks;
 }
 
-Totals total(const std::vector<PlannedTask>& tasks) {
+enum class Which { All, Certain };
+
+Totals total(const std::vector<PlannedTask>& tasks, Which which = Which::All) {
     Totals totals;
     for (const PlannedTask& task : tasks) {
+        if (which == Which::Certain && !task.is_certain) continue;
+        ++totals.n_tasks;
         if (task.is_stored) {
             ++totals.n_stored;
             continue;
@@ -65,6 +74,13 @@ std::string to_json(const Plan& plan, const ChosenProfile& profile,
                                    {"estimated_seconds", totals.seconds_to_do},
                                    {"is_guess", totals.has_guess},
                                    {"configuration", nlohmann::json::parse(plan.configuration)}};
+    if (plan.seed_rule) {
+        const Totals least = total(tasks, Which::Certain);
+        json["least"] = {{"tasks", least.n_tasks},
+                         {"in_store", least.n_stored},
+                         {"estimated_seconds", least.seconds_to_do},
+                         {"is_guess", least.has_guess}};
+    }
     json["list"] = nlohmann::ordered_json::array();
     for (const PlannedTask& task : tasks) {
         json["list"].push_back({{"id", task.id},
@@ -74,6 +90,7 @@ std::string to_json(const Plan& plan, const ChosenProfile& profile,
                                 {"budget", to_string(task.cell->budget)},
                                 {"seed", task.cell->seed},
                                 {"in_store", task.is_stored},
+                                {"is_certain", task.is_certain},
                                 {"estimated_seconds", task.cost.seconds},
                                 {"is_guess", task.cost.is_guess}});
     }
@@ -86,24 +103,33 @@ std::string profile_line(const ChosenProfile& profile) {
     return fmt::format("profile {} (known: {})\n", profile.name, fmt::join(profile.known, " "));
 }
 
+std::string cost_line(const Totals& totals) {
+    return fmt::format(
+        "{} tasks, {} in the store, {} to do; about {} on one thread{}\n", totals.n_tasks,
+        totals.n_stored, totals.n_tasks - totals.n_stored, format_duration(totals.seconds_to_do),
+        totals.has_guess ? " (a guess: the store has no run of some scenes and methods)" : "");
+}
+
+std::string cost_lines(const Plan& plan, const std::vector<PlannedTask>& tasks) {
+    const std::string all = cost_line(total(tasks));
+    if (!plan.seed_rule) return plan.experiment + ": " + all;
+    const SeedRule& rule = *plan.seed_rule;
+    return fmt::format("{}: {} to {} seeds, until the ratio is known within ± {:.3g} %\n",
+                       plan.experiment, rule.min, rule.max, 100 * rule.ratio_halfwidth) +
+           "  at least: " + cost_line(total(tasks, Which::Certain)) + "  at most:  " + all;
+}
+
 std::string to_text(const Plan& plan, const ChosenProfile& profile,
                     const std::vector<PlannedTask>& tasks) {
     std::vector<std::vector<std::string>> rows{
         {"state", "task", "scene", "method", "budget", "seed", "time"}};
     for (const PlannedTask& task : tasks) {
-        rows.push_back({task.is_stored ? "stored" : "to do", task.id.substr(0, 8), task.cell->scene,
-                        task.cell->method, to_string(task.cell->budget),
-                        std::to_string(task.cell->seed),
+        const char* state = task.is_stored ? "stored" : task.is_certain ? "to do" : "if needed";
+        rows.push_back({state, task.id.substr(0, 8), task.cell->scene, task.cell->method,
+                        to_string(task.cell->budget), std::to_string(task.cell->seed),
                         task.is_stored ? "" : fmt::format("{:.2g} s", task.cost.seconds)});
     }
-    const Totals totals = total(tasks);
-    return align(rows) + "\n" + profile_line(profile) +
-           fmt::format("{}: {} tasks, {} in the store, {} to do; about {} on one thread{}\n",
-                       plan.experiment, tasks.size(), totals.n_stored,
-                       tasks.size() - totals.n_stored, format_duration(totals.seconds_to_do),
-                       totals.has_guess
-                           ? " (a guess: the store has no run of some scenes and methods)"
-                           : "");
+    return align(rows) + "\n" + profile_line(profile) + cost_lines(plan, tasks);
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "experiments/analysis/comparison.h"
 #include "experiments/analysis/noisy_reference.h"
+#include "experiments/cli/local_run.h"
 #include "experiments/cli/output.h"
 #include "experiments/cli/verbs.h"
 #include "renderer/base/error.h"
@@ -45,6 +47,36 @@ std::string to_text(const Plan& plan, const std::vector<CellReferenceShare>& cel
                100 * kNoisyReference);
 }
 
+bool are_valid(const Store& store, const Plan& halves) {
+    const auto runs = store.run_summaries();
+    return std::ranges::all_of(halves.cells, [&runs](const Cell& half) {
+        const auto run = runs.find(task_id(half.task));
+        return run != runs.end() && run->second.valid;
+    });
+}
+
+// The experiment keeps the reference that it has until all of the better one is there.
+int improve(const RunOptions& options, const Plan& improved, const std::set<std::string>& scenes) {
+    const Plan halves = references_alone(improved, scenes);
+    const bool is_complete = do_tasks(options, halves, "references: ");
+    Store store(options.store, Store::Access::ReadWrite);
+    const bool has_failures = is_complete && report_failures(store, halves);
+    store.drop_experiment(halves.experiment);
+    if (!is_complete) return interrupted(store, halves, options);
+    if (has_failures || !are_valid(store, halves)) {
+        print_error("the better reference is not whole or not valid: '" + improved.experiment +
+                    "' keeps the one that it has");
+        return kExitSomeFailed;
+    }
+    store.put_experiment(improved);
+    store.measure(improved);
+    store_comparisons(store, improved);
+    print_note(
+        "`misbench run` goes back to the reference of its file; then this command brings the "
+        "better one back without rendering it again");
+    return print_outcome(store, improved);
+}
+
 }  // namespace
 
 int reference_verb(const ReferenceOptions& options) {
@@ -63,15 +95,16 @@ int reference_verb(const ReferenceOptions& options) {
     if (options.all) {
         for (const PlannedScene& scene : plan.scenes) scenes.insert(scene.name);
     }
-    if (scenes.empty() && *options.improve > 1) {
+    if (scenes.empty()) {
         print_note("no reference is too noisy; --all improves those of all scenes");
         return 0;
     }
     init_log("misbench", "info");
     RunOptions run = options.run;
     run.command_line =
-        "misbench reference " + run.store + " --experiment " + plan.experiment + " --improve 1";
-    return run_plan(run, with_better_references(plan, scenes, *options.improve));
+        fmt::format("misbench reference {} --experiment {} --improve {}{}", run.store,
+                    plan.experiment, *options.improve, options.all ? " --all" : "");
+    return improve(run, with_better_references(plan, scenes, *options.improve), scenes);
 }
 
 }  // namespace misbench

@@ -96,9 +96,6 @@ struct RunOptions {
     std::string command_line;       // how to resume
 };
 int run_verb(const RunOptions& options);
-// Puts the plan into the store, does its tasks, measures, and prints what came out; `files` and
-// `experiment` are not read.
-int run_plan(const RunOptions& options, const Plan& plan);
 
 struct TableOptions {
     std::string store;

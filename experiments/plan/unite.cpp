@@ -75,7 +75,7 @@ std::string unite_configurations(const std::string& a, const std::string& b) {
         }
     }
     for (const char* key : {"seeds", "budgets", "scenes"}) {
-        if (!other.contains(key) || !united[key].is_array()) continue;
+        if (!other.contains(key) || !other[key].is_array() || !united[key].is_array()) continue;
         const auto names = [](const nlohmann::json& entry) {
             return entry.is_object() && entry.contains("scene") ? entry["scene"] : entry;
         };
@@ -84,7 +84,9 @@ std::string unite_configurations(const std::string& a, const std::string& b) {
             if (std::ranges::none_of(united[key], same)) united[key].push_back(entry);
         }
     }
-    if (united.contains("seeds")) std::sort(united["seeds"].begin(), united["seeds"].end());
+    // A seed rule is no list.
+    if (united.contains("seeds") && united["seeds"].is_array())
+        std::sort(united["seeds"].begin(), united["seeds"].end());
     return united.dump();
 }
 
@@ -120,6 +122,7 @@ Plan unite(const Plan& a, const Plan& b) {
     append_new(united.scenes, b.scenes);
     append_new(united.methods, b.methods);
     append_new(united.budgets, b.budgets);
+    if (a.seed_rule != b.seed_rule) united.seed_rule.reset();
     std::set<Place> places;
     for (const Cell& cell : a.cells) places.insert(place_of(cell));
     for (const Cell& cell : b.cells) {

@@ -16,7 +16,7 @@ namespace misbench {
 std::optional<std::string> what_differs(const Plan& a, const Plan& b);
 
 // Everything that one of them has, scenes, methods and budgets in the order of `a`, and cells by
-// sort_cells(). REQUIRES: !what_differs(a, b).
+// sort_cells(). A seed rule only where both have the same. REQUIRES: !what_differs(a, b).
 Plan unite(const Plan& a, const Plan& b);
 
 }  // namespace misbench

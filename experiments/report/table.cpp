@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "experiments/analysis/seed_rounds.h"
 #include "experiments/report/numbers.h"
@@ -96,7 +97,8 @@ TableCell lay_out_cell(const Comparison& comparison, const ComparedCell& cell,
     return text;
 }
 
-std::string seeds_of(std::span<const Comparison> comparisons) {
+// The least and the largest number of seeds of a cell.
+std::pair<int, int> seeds_of(std::span<const Comparison> comparisons) {
     int fewest = 0;
     int most = 0;
     for (const Comparison& comparison : comparisons) {
@@ -106,8 +108,7 @@ std::string seeds_of(std::span<const Comparison> comparisons) {
             most = std::max(most, cell.n_planned);
         }
     }
-    if (fewest == most) return fmt::format("{} seed{}", most, most == 1 ? "" : "s");
-    return fmt::format("{} to {} seeds", fewest, most);
+    return {fewest, most};
 }
 
 int n_tests_of(std::span<const Comparison> comparisons) {
@@ -140,6 +141,7 @@ bool is_efficiency(const Comparison& comparison) { return comparison.metric.star
 std::vector<std::string> footer_of(std::span<const Comparison> comparisons, const Footnotes& notes,
                                    const TableLayout& layout) {
     const auto percent = static_cast<int>(100 * kConfidence + 0.5);
+    const auto [fewest, most] = seeds_of(comparisons);
     std::vector<std::string> footer;
     const auto add = [&footer](const std::string& line) {
         if (std::ranges::find(footer, line) == footer.end()) footer.push_back(line);
@@ -148,16 +150,22 @@ std::vector<std::string> footer_of(std::span<const Comparison> comparisons, cons
     if (!layout.hidden.contains("mean")) {
         const bool is_mixed = std::ranges::any_of(comparisons, is_efficiency);
         add(fmt::format("mean over {} ± half of its {} % Student t interval{}",
-                        seeds_of(comparisons), percent,
-                        is_mixed ? "; of 1/(…) the reciprocals of both ends" : ""));
+                        fewest == most ? fmt::format("{} seed{}", most, most == 1 ? "" : "s")
+                                       : fmt::format("{} to {} seeds", fewest, most),
+                        percent, is_mixed ? "; of 1/(…) the reciprocals of both ends" : ""));
     }
+    const bool is_of_many = std::ranges::any_of(comparisons, [&](const Comparison& comparison) {
+        return comparison.experiment != comparisons.front().experiment;
+    });
     for (const Comparison& comparison : comparisons) {
-        if (comparison.seed_rule) add(seed_rule_footnote(comparison));
+        if (!comparison.seed_rule) continue;
+        add((is_of_many ? comparison.experiment + ", " : "") + seed_rule_footnote(comparison));
     }
     const int n_tests = layout.hidden.contains("ratio") ? 0 : n_tests_of(comparisons);
     for (const Comparison& comparison : comparisons) {
         if (comparison.baseline == kToNone || layout.hidden.contains("ratio")) continue;
-        add(ratio_line(comparison.baseline, notes, percent));
+        add(ratio_line(comparison.baseline, notes, percent) +
+            (fewest < most && notes.paired ? ", of the seeds that both have" : ""));
     }
     if (n_tests > 0) {
         add(

@@ -106,7 +106,7 @@ std::string target_text(const std::optional<EffortTo>& to) {
 std::string crossover_text(const std::optional<Crossover>& found) {
     if (!found) return kNone;
     if (found->n_crossings == 0) {
-        return found->is_first_ahead ? "none: ahead all the time" : "none: behind all the time";
+        return found->is_first_ahead ? "ahead throughout" : "behind throughout";
     }
     std::string text = fmt::format("{} from {}", found->is_last_ahead ? "ahead" : "behind",
                                    range_text(*found->effort));
@@ -138,7 +138,7 @@ Page page_of(const Tradeoff& tradeoff) {
                                         : crossover_text(method.against_baseline)});
             for (const TradeoffPoint& p : method.points) {
                 std::vector<std::string> row{
-                    method.method, effort_text(p.point.passes) + (p.point.is_snapshot ? " s" : ""),
+                    method.method, effort_text(p.point.passes) + (p.point.is_snapshot ? " °" : ""),
                     format_mean(*p.point.mean), p.is_on_front ? "•" : ""};
                 if (is_timed) row.insert(row.begin() + 1, effort_text(p.effort));
                 points.rows.push_back(std::move(row));
@@ -167,8 +167,15 @@ Page page_of(const Tradeoff& tradeoff) {
         "= "
         "a/spp + c",
         "»: beyond the longest budget, by the slope of the mean curve",
-        "•: no method has a smaller error at no larger effort (of the means); s: snapshot",
-        "against: of the curves of means, within the efforts that both have"};
+        "•: no method has a smaller error at no larger effort (of the means); °: a snapshot, on "
+        "the "
+        "way of a longer render",
+        fmt::format("{} to an error: {}", unit,
+                    tradeoff.is_target_given
+                        ? "the one asked for"
+                        : "that of '" + tradeoff.baseline + "' at its last effort"),
+        "against: which curve of means is lower, within the efforts that both have; its last "
+        "crossing is given with its interval"};
     return page;
 }
 
@@ -247,6 +254,7 @@ Json points_to_json(const Tradeoff& tradeoff) {
                             {"scene", scene.scene},
                             {"method", method.method},
                             {"metric", tradeoff.metric},
+                            {"against", tradeoff.baseline},
                             {"effort_unit", to_string(tradeoff.effort)},
                             {"effort", p.effort},
                             {"passes", p.point.passes},

@@ -23,8 +23,8 @@ LogRatio with_pairs(LogRatio ratio, int n, int wanted) {
 }
 
 // The most that a round gives: until the ratio is narrow by its present variance.
-int most_of_round(const RenderedRatio& rendered, const AllocationLimits& limits) {
-    const int most = std::max(rendered.n, std::min(2 * rendered.n, limits.most_seeds));
+int most_of_round(const RenderedRatio& rendered, double halfwidth) {
+    const int most = std::max(rendered.n, std::min(2 * rendered.n, rendered.most_seeds));
     if (!rendered.ratio) return most;
     // The fewest that make it narrow, by bisection: more pairs make no interval wider.
     int low = rendered.n;
@@ -32,7 +32,7 @@ int most_of_round(const RenderedRatio& rendered, const AllocationLimits& limits)
     while (low < high) {
         const int middle = low + (high - low) / 2;
         const LogRatio then = with_pairs(*rendered.ratio, rendered.n, middle);
-        if (is_narrow(then, limits.halfwidth)) {
+        if (is_narrow(then, halfwidth)) {
             high = middle;
         } else {
             low = middle + 1;
@@ -51,13 +51,13 @@ double variance_of_pair(const RenderedRatio& rendered) {
 class Round {
  public:
     Round(std::span<const RenderedBaseline> baselines, std::span<const RenderedRatio> ratios,
-          const AllocationLimits& limits)
+          double halfwidth)
         : baselines_(baselines), ratios_(ratios) {
         for (const RenderedBaseline& baseline : baselines) n_baseline_.push_back(baseline.n);
         for (const RenderedRatio& rendered : ratios) {
             MISBENCH_CHECK(rendered.n <= baselines[rendered.baseline].n);
             n_.push_back(rendered.n);
-            most_.push_back(most_of_round(rendered, limits));
+            most_.push_back(most_of_round(rendered, halfwidth));
         }
     }
 
@@ -133,8 +133,8 @@ bool is_narrow(const std::optional<LogRatio>& ratio, double halfwidth) {
 }
 
 std::vector<int> allocate(std::span<const RenderedBaseline> baselines,
-                          std::span<const RenderedRatio> ratios, const AllocationLimits& limits) {
-    return Round(baselines, ratios, limits).seeds();
+                          std::span<const RenderedRatio> ratios, double halfwidth) {
+    return Round(baselines, ratios, halfwidth).seeds();
 }
 
 }  // namespace misbench

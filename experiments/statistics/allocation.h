@@ -41,22 +41,19 @@ struct RenderedBaseline {
 struct RenderedRatio {
     std::size_t baseline = 0;       // which one
     int n = 0;                      // seeds of the method, kFewestForInterval or more
+    int most_seeds = 0;             // that the method can have; what is there may be more
     double seconds = 0;             // of one
     std::optional<LogRatio> ratio;  // of n pairs; absent where a mean is not above zero
 };
 
-struct AllocationLimits {
-    int most_seeds = 0;    // of a cell
-    double halfwidth = 0;  // h above
-};
-
-// Pairs without any spread are narrow too: no number of seeds would give them an interval.
+// `halfwidth` is h above. Pairs without any spread are narrow too: no number of seeds would give
+// them an interval.
 bool is_narrow(const std::optional<LogRatio>& ratio, double halfwidth);
 
 // The number of seeds of each ratio's method after the next round; none is less than before. All as
 // before: there is nothing to do, every ratio is narrow or has its most seeds. REQUIRES: no
 // baseline has fewer seeds than a method compared with it.
 std::vector<int> allocate(std::span<const RenderedBaseline> baselines,
-                          std::span<const RenderedRatio> ratios, const AllocationLimits& limits);
+                          std::span<const RenderedRatio> ratios, double halfwidth);
 
 }  // namespace misbench

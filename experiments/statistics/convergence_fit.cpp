@@ -192,13 +192,13 @@ std::optional<Estimate> fit_floor(const SeedCurves& curves) {
     return estimate_mean(floors);
 }
 
-std::optional<EffortTo> effort_to_reach(const SeedCurves& curves, double error) {
+std::optional<EffortTo> effort_to_reach(const SeedCurves& curves, double error,
+                                        const std::optional<Estimate>& floor) {
     if (curves.efforts.empty() || curves.errors.empty() || !is_above_zero(mean_curve(curves))) {
         return std::nullopt;
     }
     const LogEffort reached = log_effort_to_reach(curves, error);
     EffortTo result{.where = reached.where, .effort = std::nullopt};
-    const std::optional<Estimate> floor = fit_floor(curves);
     if (reached.where == EffortTo::Where::Beyond && floor && has_floor(*floor) &&
         floor->interval->low >= error) {
         result.where = EffortTo::Where::Never;

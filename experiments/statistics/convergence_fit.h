@@ -46,8 +46,10 @@ struct EffortTo {
     Where where = Where::Never;
     std::optional<Estimate> effort;  // absent for Never
 };
-// Absent where a mean is not above 0.
-std::optional<EffortTo> effort_to_reach(const SeedCurves& curves, double error);
+// Absent where a mean is not above 0. `floor` is of the same method over its passes: seconds are
+// not proportional to them, so that over seconds fit_floor() may miss one.
+std::optional<EffortTo> effort_to_reach(const SeedCurves& curves, double error,
+                                        const std::optional<Estimate>& floor);
 
 // Two methods with the same seeds, within the efforts that both have.
 struct Crossover {

@@ -8,8 +8,10 @@
 #include <ctime>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "experiments/statistics/intervals.h"
 #include "renderer/methods/render_loop.h"
 #include "renderer/mis/heuristics.h"
 #include "renderer/scene/load.h"
@@ -76,14 +78,18 @@ const LoadedScene& scene_of(const benchmark::State& state) {
     return scene;
 }
 
+RenderRequest request_of(const Method& method) {
+    return {.method = method.name,
+            .parameters = method.parameters,
+            .width = 320,
+            .height = 240,
+            .budget = SampleBudget{4},
+            .seed = 1,
+            .threads = 1};
+}
+
 RenderResult render_once(const Scene& scene, const Method& method) {
-    return render(scene, {.method = method.name,
-                          .parameters = method.parameters,
-                          .width = 320,
-                          .height = 240,
-                          .budget = SampleBudget{4},
-                          .seed = 1,
-                          .threads = 1});
+    return render(scene, request_of(method));
 }
 
 void replay(const std::vector<Query>& queries) {
@@ -138,6 +144,51 @@ void rays(benchmark::State& state) {
     state.SetLabel(method.label + std::string(", ") + scene_name(state));
 }
 
+// What snapshots cost of a render's CPU time, for the densest ladder (after 1, 2, 4, 8 of 16
+// passes): a render with them and one without take turns, each in front of the other by turns. The
+// first counter is of all CPU time; the second only of what the renders' clocks did not count,
+// which is where snapshots are made and which nothing disturbs. Both with half of their 95 %
+// intervals over the turns.
+void snapshots(benchmark::State& state) {
+    const Scene& scene = *scene_of(state).scene;
+    RenderRequest without = request_of(method_of(state));
+    without.width = 160;
+    without.height = 120;
+    without.budget = SampleBudget{16};
+    RenderRequest with = without;
+    with.snapshots = SnapshotLadder{};
+    struct Turn {
+        double seconds;
+        double uncounted;
+    };
+    const auto turn = [&scene](const RenderRequest& request) {
+        double counted = 0;
+        const double seconds =
+            seconds_of([&] { counted = render(scene, request).statistics.cpu_seconds; });
+        return Turn{seconds, seconds - counted};
+    };
+    std::vector<double> all;
+    std::vector<double> uncounted;
+    bool is_with_first = false;
+    for (auto _ : state) {
+        const Turn first = turn(is_with_first ? with : without);
+        const Turn second = turn(is_with_first ? without : with);
+        const Turn& a = is_with_first ? first : second;
+        const Turn& b = is_with_first ? second : first;
+        is_with_first = !is_with_first;
+        all.push_back(100 * (a.seconds / b.seconds - 1));
+        uncounted.push_back(100 * (a.uncounted - b.uncounted) / b.seconds);
+        state.SetIterationTime(a.seconds);
+    }
+    for (const auto& [name, percents] : {std::pair("all", all), std::pair("made", uncounted)}) {
+        const Estimate mean = estimate_mean(percents).value();
+        state.counters[std::string(name) + " %"] = mean.value;
+        if (!mean.interval) continue;
+        state.counters[std::string(name) + " ± %"] = mean.interval->high - mean.value;
+    }
+    state.SetLabel(method_of(state).label + std::string(", ") + scene_name(state));
+}
+
 // The same image by the render loop that is right for every scene.
 void rays_general_loop(benchmark::State& state) {
     const LoadedScene loaded =
@@ -164,6 +215,11 @@ BENCHMARK(rays)
     ->ArgsProduct({{3, 4, 5}, {0}})
     ->UseManualTime()
     ->Iterations(5)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(snapshots)
+    ->ArgsProduct({{4}, {0, 5}})
+    ->UseManualTime()
+    ->Iterations(20)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(rays_general_loop)
     ->ArgsProduct({{3, 4, 5}, {0}})

@@ -89,6 +89,35 @@ TEST_F(StoresTest, ExportedImagesMakeTheSameTableElsewhere) {
     EXPECT_TRUE(fs::exists(file("pngs/CornellBox/nee/2_spp/mean.png")));
 }
 
+TEST_F(StoresTest, ExportedSnapshotsMakeTheSameCurveElsewhere) {
+    const std::vector<std::string> with{"--set", "snapshots=2", "--set",
+                                        "budgets=[{samples: 4}, {samples: 16}]"};
+    ASSERT_EQ(run("curve", with).exit_code, 0);
+    // 2 + 4 seeds × 2 methods × 2 budgets, 7 means; 2 and 4 snapshots of a run.
+    EXPECT_THAT(
+        result_of({"export", file("curve"), "--images", file("curve-images"), "--what", "runs"}),
+        StartsWith("64 images of experiment 'tiny'"));
+    EXPECT_TRUE(fs::exists(file("curve-images/CornellBox/mis/16_spp/seed3.snapshot-000008.exr")));
+    result_of({"export", file("curve"), "--images", file("curve-halves"), "--what", "references"});
+    for (const std::string list :
+         {"curve-images/images.csv", "curve-images/snapshots.csv", "curve-halves/images.csv"}) {
+        result_of(
+            {"import", file("curve-elsewhere"), "--experiment", "tiny", "--list", file(list)});
+    }
+    const auto curve = [](const std::string& store) {
+        const auto json =
+            nlohmann::json::parse(result_of({"tradeoff", file(store), "--experiment", "tiny", "--x",
+                                             "passes", "--format", "json"}));
+        std::map<std::pair<std::string, double>, double> errors;
+        for (const auto& point : json.at("points")) {
+            errors[{point.at("method"), point.at("passes")}] = point.at("error");
+        }
+        return errors;
+    };
+    EXPECT_EQ(curve("curve").size(), 2U * 5U) << "after 1, 2, 4, 8 and 16 samples";
+    EXPECT_EQ(curve("curve-elsewhere"), curve("curve"));
+}
+
 TEST_F(StoresTest, ImportedMethodsStandBesideRenderedOnesAndStayThere) {
     copy_store("both");
     fs::create_directories(file("own/CornellBox"));

@@ -21,6 +21,7 @@ RenderedRatio rendered(int n, double variance_of_pair, double seconds = 1,
                        std::size_t baseline = 0) {
     return {.baseline = baseline,
             .n = n,
+            .most_seeds = n,
             .seconds = seconds,
             .ratio = LogRatio{.value = 0,
                               .variance = variance_of_pair / n,
@@ -29,8 +30,9 @@ RenderedRatio rendered(int n, double variance_of_pair, double seconds = 1,
 }
 
 std::vector<int> allocated(const std::vector<RenderedBaseline>& baselines,
-                           const std::vector<RenderedRatio>& ratios, int most = 1000) {
-    return allocate(baselines, ratios, {.most_seeds = most, .halfwidth = kHalfwidth});
+                           std::vector<RenderedRatio> ratios, int most = 1000) {
+    for (RenderedRatio& ratio : ratios) ratio.most_seeds = most;
+    return allocate(baselines, ratios, kHalfwidth);
 }
 
 TEST(Allocation, GivesNarrowRatiosAndThoseAtTheirMostNothing) {
@@ -67,12 +69,23 @@ TEST(Allocation, LeadsToSeedsInProportionToSpreadOverRootOfCost) {
         for (std::size_t r = 0; r < n.size(); ++r) {
             baselines[r].n = n[r];
             ratios.push_back(rendered(n[r], variances[r], seconds[r], r));
+            ratios.back().most_seeds = 100'000;
         }
-        n = allocate(baselines, ratios, {.most_seeds = 100'000, .halfwidth = 0.001});
+        n = allocate(baselines, ratios, 0.001);
     }
     EXPECT_GT(n[0], 500);
     EXPECT_NEAR(n[1] / static_cast<double>(n[0]), 2, 0.01);
     EXPECT_NEAR(n[2] / static_cast<double>(n[0]), 0.5, 0.01);
+}
+
+// A cell whose seeds are excluded by the file takes nothing from the others.
+TEST(Allocation, GivesTheRoundToThoseThatCanHaveMore) {
+    RenderedRatio capped = rendered(10, 1000);
+    RenderedRatio open = rendered(10, 1, 1, 1);
+    open.most_seeds = 100;
+    EXPECT_THAT(allocate(std::vector<RenderedBaseline>{{10, 1}, {10, 1}},
+                         std::vector<RenderedRatio>{capped, open}, kHalfwidth),
+                ElementsAre(10, 15));
 }
 
 // A dear baseline's seeds that are there already make the pairs of its other methods cheap.
@@ -95,6 +108,11 @@ TEST(Allocation, BeginsWithWhatIsNotKnownAtAll) {
 
 // --- simulated tables ----------------------------------------------------------------------------
 
+struct Stop {
+    int most_seeds = 0;
+    double halfwidth = kHalfwidth;
+};
+
 struct Errors {
     double spread = 0;   // of the logarithm
     double seconds = 1;  // of one seed
@@ -116,31 +134,32 @@ class SimulatedTable {
     }
 
     // Until nothing is left to do. Returns the seeds of every ratio after each round.
-    std::vector<std::vector<int>> run(const AllocationLimits& limits) {
+    std::vector<std::vector<int>> run(const Stop& stop) {
         std::vector<std::vector<int>> rounds{n_};
         while (true) {
             std::vector<RenderedBaseline> baselines;
-            const std::vector<RenderedRatio> ratios = measure(baselines);
-            const std::vector<int> next = allocate(baselines, ratios, limits);
+            const std::vector<RenderedRatio> ratios = measure(baselines, stop.most_seeds);
+            const std::vector<int> next = allocate(baselines, ratios, stop.halfwidth);
             if (next == n_) return rounds;
             rounds.push_back(n_ = next);
         }
     }
 
     // All cells with the same number of seeds, which grows like a round until all are narrow.
-    void run_equal(const AllocationLimits& limits) {
+    void run_equal(const Stop& stop) {
         while (true) {
             std::vector<RenderedBaseline> baselines;
             bool is_done = true;
             for (const RenderedRatio& ratio : measure(baselines)) {
-                is_done &= is_narrow(ratio.ratio, limits.halfwidth);
+                is_done &= is_narrow(ratio.ratio, stop.halfwidth);
             }
-            if (is_done || n_.front() == limits.most_seeds) return;
-            for (int& n : n_) n = std::min(n + (n + 1) / 2, limits.most_seeds);
+            if (is_done || n_.front() == stop.most_seeds) return;
+            for (int& n : n_) n = std::min(n + (n + 1) / 2, stop.most_seeds);
         }
     }
 
-    std::vector<RenderedRatio> measure(std::vector<RenderedBaseline>& baselines) {
+    std::vector<RenderedRatio> measure(std::vector<RenderedBaseline>& baselines,
+                                       int most_seeds = 0) {
         std::vector<RenderedRatio> ratios;
         std::size_t cell = 0;
         for (const auto& scene : scenes_) {
@@ -152,6 +171,7 @@ class SimulatedTable {
                 ratios.push_back(
                     {.baseline = baselines.size(),
                      .n = n,
+                     .most_seeds = most_seeds,
                      .seconds = scene[m].seconds,
                      .ratio = paired_log_ratio(first(cell, n, scene[m].spread, scale_),
                                                first(baseline, n, scene[0].spread, 1))});
@@ -198,7 +218,7 @@ TEST(StoppingByWidth, KeepsTheCoverageOfTheInterval) {
         double sum_of_seeds = 0;
         for (unsigned trial = 0; trial < kTrials; ++trial) {
             SimulatedTable table({{{spread}, {spread}}}, 2 * trial);
-            table.run({.most_seeds = 20'000, .halfwidth = kHalfwidth});
+            table.run({.most_seeds = 20'000});
             std::vector<RenderedBaseline> baselines;
             const RenderedRatio result = table.measure(baselines).front();
             EXPECT_TRUE(is_narrow(result.ratio, kHalfwidth));
@@ -221,25 +241,25 @@ const std::vector<std::vector<Errors>> kTable = {
 
 // A rule that looked at the ratio would stop early for a method that seems much better.
 TEST(StoppingByWidth, DoesNotLookAtWhereTheRatioLies) {
-    const AllocationLimits limits{.most_seeds = 200, .halfwidth = kHalfwidth};
+    const Stop stop{.most_seeds = 200};
     for (unsigned seed = 0; seed < 20; ++seed) {
-        const auto rounds = SimulatedTable(kTable, seed).run(limits);
+        const auto rounds = SimulatedTable(kTable, seed).run(stop);
         EXPECT_GT(rounds.size(), 3U);
-        EXPECT_EQ(rounds, SimulatedTable(kTable, seed, 0.0625).run(limits));
-        EXPECT_EQ(rounds, SimulatedTable(kTable, seed, 1024).run(limits));
+        EXPECT_EQ(rounds, SimulatedTable(kTable, seed, 0.0625).run(stop));
+        EXPECT_EQ(rounds, SimulatedTable(kTable, seed, 1024).run(stop));
     }
 }
 
 TEST(StoppingByWidth, TakesAFractionOfTheTimeOfEqualNumbersOfSeeds) {
-    const AllocationLimits limits{.most_seeds = 200, .halfwidth = kHalfwidth};
+    const Stop stop{.most_seeds = 200};
     double adaptive_seconds = 0;
     double equal_seconds = 0;
     for (unsigned seed = 0; seed < 100; ++seed) {
         SimulatedTable adaptive(kTable, 100 * seed);
-        adaptive.run(limits);
+        adaptive.run(stop);
         adaptive_seconds += adaptive.seconds();
         SimulatedTable equal(kTable, 100 * seed);
-        equal.run_equal(limits);
+        equal.run_equal(stop);
         equal_seconds += equal.seconds();
     }
     EXPECT_LT(adaptive_seconds, 0.7 * equal_seconds);

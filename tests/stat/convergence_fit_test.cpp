@@ -98,10 +98,14 @@ TEST(Floor, IsHeldAsOftenAsTheIntervalSaysAndNotFoundWhereThereIsNone) {
     }
 }
 
+std::optional<EffortTo> reached(const SeedCurves& curves, double error) {
+    return effort_to_reach(curves, error, fit_floor(curves));
+}
+
 TEST(EffortToReach, IsReadFromTheCurveAndSaidToBeBeyondWhereItEnds) {
     using Where = EffortTo::Where;
     const SeedCurves curve = exact({2, 8, 32}, [](double t) { return 1 / t; });
-    const auto at = [&curve](double error) { return effort_to_reach(curve, error).value(); };
+    const auto at = [&curve](double error) { return reached(curve, error).value(); };
     EXPECT_EQ(at(0.1).where, Where::Within);
     EXPECT_NEAR(at(0.1).effort->value, 10, 1e-9);
     EXPECT_NEAR(at(1 / 32.0).effort->value, 32, 1e-9);
@@ -110,22 +114,30 @@ TEST(EffortToReach, IsReadFromTheCurveAndSaidToBeBeyondWhereItEnds) {
     EXPECT_EQ(at(0.9).effort->value, 2);
     EXPECT_EQ(at(0.01).where, Where::Beyond);
     EXPECT_NEAR(at(0.01).effort->value, 100, 1e-9);
-    EXPECT_EQ(effort_to_reach(exact({1, 2}, [](double) { return 3.0; }), 1)->where, Where::Never);
-    EXPECT_FALSE(effort_to_reach(exact({1, 2}, [](double t) { return 1.5 - t; }), 1));
+    EXPECT_EQ(reached(exact({1, 2}, [](double) { return 3.0; }), 1)->where, Where::Never);
+    EXPECT_FALSE(reached(exact({1, 2}, [](double t) { return 1.5 - t; }), 1));
 }
 
 TEST(EffortToReach, IsNeverForAnErrorBelowTheFloor) {
     std::mt19937_64 random(3);
     const SeedCurves curves = renders(random, 5, 1, 0.5);
-    EXPECT_EQ(effort_to_reach(curves, 0.05)->where, EffortTo::Where::Never);
-    EXPECT_EQ(effort_to_reach(curves, 0.4)->where, EffortTo::Where::Within);
+    EXPECT_EQ(reached(curves, 0.05)->where, EffortTo::Where::Never);
+    EXPECT_EQ(reached(curves, 0.4)->where, EffortTo::Where::Within);
+    // Seconds that are not proportional to passes show a lower one, or none.
+    SeedCurves by_seconds = curves;
+    for (double& effort : by_seconds.efforts) effort = std::sqrt(effort);
+    const std::optional<Estimate> floor = fit_floor(curves);
+    const double error = 0.95 * floor->interval->low;
+    EXPECT_LT(fit_floor(by_seconds)->interval->low, error);
+    EXPECT_EQ(effort_to_reach(by_seconds, error, floor)->where, EffortTo::Where::Never);
+    EXPECT_EQ(reached(by_seconds, error)->where, EffortTo::Where::Beyond);
 }
 
 TEST(EffortToReach, IsHeldAsOftenAsTheIntervalSays) {
     for (const double error : {1 / 24.0, 1 / 200.0}) {  // within, and beyond
         EXPECT_NEAR(coverage(1 / error,
                              [error](auto& random) {
-                                 return effort_to_reach(renders(random, 6, 1, 0), error)->effort;
+                                 return reached(renders(random, 6, 1, 0), error)->effort;
                              }),
                     kConfidence, kTolerance)
             << error;
@@ -166,7 +178,7 @@ TEST(Crossing, IsHeldAsOftenAsTheIntervalSays) {
 TEST(Intervals, NeedThreeSeeds) {
     std::mt19937_64 random(1);
     const SeedCurves two = renders(random, 2, 1, 0);
-    EXPECT_EQ(effort_to_reach(two, 0.1)->effort->why_none, NoInterval::TooFewValues);
+    EXPECT_EQ(reached(two, 0.1)->effort->why_none, NoInterval::TooFewValues);
     EXPECT_EQ(fit_slope(two)->why_none, NoInterval::TooFewValues);
 }
 

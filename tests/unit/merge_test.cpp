@@ -139,6 +139,75 @@ TEST_F(Merge, KeepsTheFirstOfTwoImagesAndSaysSo) {
     }
 }
 
+TEST_F(Merge, CarriesTheSnapshotsOfARun) {
+    const auto with_snapshots = [](Plan plan) {
+        for (Cell& cell : plan.cells) {
+            if (cell.role == Role::Test) cell.task.snapshots = SnapshotLadder{};
+        }
+        return plan;
+    };
+    const Plan plan = with_snapshots(plan_);
+    const fs::path whole = make("whole", {plan});
+    const fs::path low = make("low", {with_snapshots(low_)});
+    merge_stores(low, {make("high", {with_snapshots(high_)})}, false);
+    const Store merged(low, Store::Access::ReadOnly);
+    const Store expected(whole, Store::Access::ReadOnly);
+    int n_snapshots = 0;
+    for (const Cell& cell : plan.cells) {
+        const std::string id = task_id(cell.task);
+        const Record record = expected.run(id).value();
+        for (const SnapshotRecord& snapshot : record.snapshots) {
+            const std::int64_t samples = snapshot.statistics.samples;
+            EXPECT_EQ(merged.snapshot_image(id, samples), expected.snapshot_image(id, samples));
+            ++n_snapshots;
+        }
+        EXPECT_EQ(merged.run(id)->snapshots, record.snapshots);
+    }
+    EXPECT_EQ(n_snapshots, 8 * 4);
+    const auto values_of = [&plan](const Store& store) {
+        std::map<std::pair<std::string, std::int64_t>, double> values;
+        for (const SnapshotMeasurement& m : store.snapshot_measurements(plan, "mse")) {
+            values[{m.run, m.samples}] = m.value;
+        }
+        return values;
+    };
+    EXPECT_EQ(values_of(merged), values_of(expected));
+    EXPECT_THAT(values_of(merged), SizeIs(8 * 4));
+}
+
+TEST_F(Merge, OfOneWithoutItsSnapshotCopiesNothingOfThatRun) {
+    Plan plan = low_;
+    for (Cell& cell : plan.cells) {
+        if (cell.role == Role::Test) cell.task.snapshots = SnapshotLadder{};
+    }
+    const fs::path from = make("from", {plan});
+    const std::string id = task_id(plan.cells.back().task);
+    fs::remove(from / "runs" / id / snapshot_file(4));
+    EXPECT_THAT(message_of(Errc::DataLoss, [&] { merge_stores(path("to"), {from}, false); }),
+                HasSubstr(snapshot_file(4)));
+    EXPECT_FALSE(Store(path("to"), Store::Access::ReadOnly).has_run(id));
+}
+
+TEST_F(Merge, UnitesSeedsThatFollowARule) {
+    const auto with_rule = [](Plan plan, int max) {
+        plan.seed_rule = {.min = 2, .max = max, .ratio_halfwidth = 0.1};
+        plan.configuration = nlohmann::json{{"seeds", seed_rule_to_json(*plan.seed_rule)}}.dump();
+        return plan;
+    };
+    const fs::path low = make("low", {with_rule(low_, 4)});
+    merge_stores(path("same"), {low, make("high", {with_rule(plan_, 4)})}, false);
+    EXPECT_EQ(plan_in(path("same")), with_rule(plan_, 4));
+    // What a rule led to is not said where there were two, or one of the parts had none.
+    merge_stores(path("two"), {low, make("other", {with_rule(plan_, 8)})}, false);
+    EXPECT_EQ(plan_in(path("two")).seed_rule, std::nullopt);
+    EXPECT_EQ(plan_in(path("two")).cells, plan_.cells);
+    Plan listed = high_;
+    listed.configuration = R"({"seeds": [4, 3]})";
+    merge_stores(path("mixed"), {low, make("listed", {listed})}, false);
+    EXPECT_EQ(plan_in(path("mixed")).seed_rule, std::nullopt);
+    EXPECT_EQ(plan_in(path("mixed")).cells, plan_.cells);
+}
+
 TEST_F(Merge, RefusesItselfAndWhatIsNoStore) {
     const fs::path low = make("low", {low_});
     EXPECT_THAT(message_of(Errc::InvalidArgument, [&] { merge_stores(low, {low}, false); }),

@@ -103,6 +103,20 @@ TEST_F(ProfileTest, AProfileThatSaysNothingIsTheFileAsItIs) {
     EXPECT_EQ(e.reference.samples, 1024);
 }
 
+TEST_F(ProfileTest, ASeedRuleIsMergedIntoARuleAndReplacesAllElse) {
+    const std::string rule = "seeds: {min: 5, max: 40, until: {ratio_halfwidth: 0.1}}";
+    const ExperimentYaml given = read(changed("seeds: 4", rule), "paper");
+    EXPECT_EQ(given.seed_rule, (SeedRule{.min = 5, .max = 40, .ratio_halfwidth = 0.1}));
+    EXPECT_EQ(given.seeds.size(), 40U);
+    EXPECT_EQ(read(changed("seeds: 4", rule), "laptop").seed_rule, std::nullopt);
+    EXPECT_EQ(read(changed("seeds: [7, 8]", rule)).seed_rule, given.seed_rule);
+    const std::string text = changed("seeds: 4", rule);
+    const std::string merged = std::string(text).replace(text.find("[7, 8]"), 6,
+                                                         "{max: 9, until: {ratio_halfwidth: 0.5}}");
+    EXPECT_EQ(read(merged).seed_rule, (SeedRule{.min = 5, .max = 9, .ratio_halfwidth = 0.5}));
+    EXPECT_EQ(read(merged, "", {"seeds.min=7"}).seed_rule->min, 7);
+}
+
 TEST_F(ProfileTest, SetComesAfterTheProfile) {
     const ExperimentYaml e =
         read(kExperiment, "laptop", {"image.width=99", "methods.extra.max_depth=2", "name=other"});

@@ -280,6 +280,22 @@ TEST_F(ResolveTest, AProfileIsAnExperimentOfItsOwn) {
     EXPECT_EQ(plan(text).experiment, "small");
 }
 
+TEST_F(ResolveTest, APlanWithASeedRuleHasAllSeedsThatTheRuleAllows) {
+    const std::string text = std::string(kExperiment) +
+                             "profiles: {laptop: {}, paper: {seeds: {min: 3, max: 7, until: "
+                             "{ratio_halfwidth: 0.25}}}}\n";
+    write("rule.yaml", text);
+    const Plan p =
+        resolve(read_experiment_yaml(folder_ / "rule.yaml", {}, "paper"), folder_ / "scenes");
+    EXPECT_EQ(p.seed_rule, (SeedRule{.min = 3, .max = 7, .ratio_halfwidth = 0.25}));
+    EXPECT_EQ(p.cells.size(), 4U + 7 * 2 * 2 * 3);
+    const auto configuration = nlohmann::json::parse(p.configuration);
+    EXPECT_EQ(configuration.at("profile"), "paper");
+    EXPECT_EQ(configuration.at("seeds"), plan_to_json(p).at("seed_rule"));
+    EXPECT_EQ(plan_from_json(plan_to_json(p)), p);
+    EXPECT_EQ(plan(text).seed_rule, std::nullopt);
+}
+
 struct Fault {
     const char* from;
     const char* to;

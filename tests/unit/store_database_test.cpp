@@ -19,6 +19,29 @@ using testing::HasSubstr;
 
 using StoreDatabaseTest = StoreTest;
 
+TEST_F(StoreDatabaseTest, ADroppedExperimentLeavesItsRunsAndTheTasksOfOthers) {
+    Store store = open();
+    commit_all(store, plan_);
+    store.put_experiment(plan_);
+    Plan halves = plan_;
+    halves.experiment = plan_.experiment + kReferencesAlone;
+    std::erase_if(halves.cells, [](const Cell& cell) { return cell.role == Role::Test; });
+    halves.cells[0].task.budget = halves.cells[0].budget = SampleBudget{4096};
+    store.put_experiment(halves);
+    EXPECT_EQ(store.experiments().back(), halves.experiment) << "though it was put last";
+    EXPECT_EQ(store.experiment("").experiment, plan_.experiment);
+    const std::string id = task_id(halves.cells[0].task);
+    EXPECT_TRUE(store.task(id));
+    store.drop_experiment(halves.experiment);
+    store.drop_experiment(halves.experiment);
+    EXPECT_EQ(store.experiments(), std::vector{plan_.experiment});
+    EXPECT_FALSE(store.task(id));
+    for (const Cell& cell : plan_.cells) {
+        EXPECT_TRUE(store.task(task_id(cell.task)) && store.has_run(task_id(cell.task)));
+    }
+    EXPECT_FALSE(fs::exists(folder() / "experiments" / (halves.experiment + ".json")));
+}
+
 // --- snapshots and the reference's noise -------------------------------------------------------
 
 TEST_F(StoreDatabaseTest, MeasuresSnapshotsBesideTheImage) {

@@ -146,6 +146,20 @@ TEST(Table, TextIsAlignedInEveryLine) {
                       HasSubstr("machine: a CPU\n"), Not(HasSubstr("†")), Not(HasSubstr("‡"))));
 }
 
+TEST(Table, SaysWhatASeedRuleHasReachedAndWhoseSeedsARatioIsOf) {
+    Comparison comparison = two_by_two();
+    comparison.seed_rule = {{.min = 3, .max = 5, .ratio_halfwidth = 0.1}, "mse", "pt", true};
+    for (ComparedCell& cell : comparison.cells) {
+        cell.n_planned = cell.n_measured = cell.method == "pt" ? 5 : 3;
+        cell.ratio_is_paired = true;
+    }
+    const std::string text = to_text(table_of(comparison));
+    EXPECT_THAT(text, AllOf(HasSubstr("mean over 3 to 5 seeds"),
+                            HasSubstr("seeds: 3 to 5, until the ratio is known within ± 10 %: met "
+                                      "by 0 of 2 ratios; 2 wide with fewer seeds\n"),
+                            HasSubstr("paired by seed], of the seeds that both have\n")));
+}
+
 TEST(Table, RowsAndColumnsAreChosenAndTheThirdAxisMakesFurtherRows) {
     Comparison comparison = two_by_two();
     comparison.budgets.push_back(kLong);

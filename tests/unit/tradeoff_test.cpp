@@ -246,9 +246,12 @@ TEST_F(TradeoffTest, IsPrintedWithItsMarksAndInFullPrecision) {
     fill(plan);
     const Tradeoff found = tradeoff(store_, plan, Effort::Passes, {});
     const std::string text = tradeoff_to_text(found);
-    EXPECT_THAT(text, HasSubstr("none: ahead all the time"));
-    EXPECT_THAT(text, HasSubstr("8 s"));
+    EXPECT_THAT(text, HasSubstr("ahead throughout"));
+    EXPECT_THAT(text, HasSubstr("8 °"));
     EXPECT_THAT(text, HasSubstr("none found, at most"));
+    EXPECT_THAT(text, HasSubstr("spp to an error: that of 'plain' at its last effort"));
+    EXPECT_THAT(tradeoff_to_text(tradeoff(store_, plan, Effort::Passes, {.target = 0.5})),
+                HasSubstr("spp to an error: the one asked for"));
     EXPECT_THAT(tradeoff_to_markdown(found), HasSubstr("| clever |"));
     const auto json = nlohmann::json::parse(tradeoff_to_json(found));
     ASSERT_EQ(json["points"].size(), 10U);
@@ -256,7 +259,8 @@ TEST_F(TradeoffTest, IsPrintedWithItsMarksAndInFullPrecision) {
     EXPECT_EQ(json["points"][9]["ahead_at_last"], true);
     const std::string csv = tradeoff_to_csv(found);
     EXPECT_EQ(std::ranges::count(csv, '\n'), 11);
-    EXPECT_THAT(csv, HasSubstr("first,Box,clever,relmse.eps0.01,spp,8.0,8.0,1.0,0.5,true,4,"));
+    EXPECT_THAT(csv,
+                HasSubstr("first,Box,clever,relmse.eps0.01,plain,spp,8.0,8.0,1.0,0.5,true,4,"));
 }
 
 }  // namespace
