@@ -71,6 +71,8 @@ void Store::put_experiment(const Plan& plan) {
     insert_experiment(*database_, write_experiment_file(folder_, kept, std::max(now, after)));
 }
 
+bool Store::is_outdated() const { return database_->has_moved(); }
+
 std::vector<std::string> Store::experiments() const {
     Statement select =
         database_->prepare("SELECT name FROM experiments ORDER BY submitted_at_ms DESC, name");
@@ -188,6 +190,10 @@ int Store::measure(const Plan& plan) {
     update_moments(*database_, folder_);
     roll_up(*database_);
     return n_added;
+}
+
+int Store::measure_in_memory(const Plan& plan) {
+    return measure_plan(*database_, folder_, plan, MeasureInto::Memory);
 }
 
 std::vector<CellSeeds> Store::cell_seeds(const std::string& experiment,

@@ -118,6 +118,8 @@ class Store {
     Store& operator=(Store&&) noexcept;
 
     const std::filesystem::path& folder() const { return folder_; }
+    // Another database is in the place of this one: reindex() made it.
+    bool is_outdated() const;
 
     // --- experiments ---------------------------------------------------------------------------
     // Writes the plan's file, then its rows: cells, and tasks that are new. Replaces an experiment
@@ -164,6 +166,9 @@ class Store {
     // its reference are there and valid, of images and of snapshots; then makes the moments of all
     // cells and the rollups anew. Returns how many measurements were added.
     int measure(const Plan& plan);
+    // The same measurements in memory, for this object alone, which may be ReadOnly: of an
+    // experiment that another process is running. May be called again as runs come in.
+    int measure_in_memory(const Plan& plan);
     std::vector<Measurement> measurements(const Plan& plan) const;  // of images
     // By run, then samples.
     std::vector<SnapshotMeasurement> snapshot_measurements(const Plan& plan,

@@ -90,13 +90,27 @@ class Charts {
         choose("metric", report.metrics.map((m) => m.metric), "metric");
         choose("budget", report.budgets, "budget");
         choose("effort", Object.values(kEfforts), "effort", Object.keys(kEfforts));
+        this.restore();
         this.draw();
+    }
+
+    restore() {
+        const {scene, metric, budget, effort} = kept.load("charts");
+        const isThere = scene < report.scenes.length && metric < report.metrics.length &&
+            budget < report.budgets.length && effort in kEfforts;
+        if (isThere) this.state = {scene, metric, budget, effort};
+        const {selects, state} = this;
+        for (const [key, select] of Object.entries(selects)) {
+            select.selectedIndex =
+                key === "effort" ? Object.keys(kEfforts).indexOf(state.effort) : state[key];
+        }
     }
 
     set(change) {
         Object.assign(this.state, change);
         if (change.scene !== undefined && this.selects.scene)
             this.selects.scene.selectedIndex = change.scene;
+        kept.save("charts", this.state);
         this.draw();
     }
 

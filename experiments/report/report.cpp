@@ -59,6 +59,14 @@ std::string parameters_to_html(const ParameterMap& parameters) {
     return html;
 }
 
+nlohmann::ordered_json running_to_json(const std::optional<Running>& running) {
+    if (!running) return nullptr;
+    return {{"tasks", running->n_tasks},
+            {"done", running->n_done},
+            {"failed", running->n_failed},
+            {"reload_seconds", running->reload_seconds}};
+}
+
 class Reporter {
  public:
     Reporter(const Store& store, const Plan& plan)
@@ -73,9 +81,7 @@ class Reporter {
         nlohmann::ordered_json data = report_data(store_, plan_);
         data["images"] = std::move(images.images);
         data["blocks"] = std::move(images.blocks);
-        data["reload_seconds"] = contents.reload_seconds
-                                     ? nlohmann::ordered_json(*contents.reload_seconds)
-                                     : nlohmann::ordered_json();
+        data["running"] = running_to_json(contents.running);
         const std::size_t n_images = data["images"].size();
         // The pixels are by far the most of it: they are never copied.
         const std::string_view page = kPage;
