@@ -127,7 +127,8 @@ class Store {
     // A Failed task that is planned again becomes Pending, with its losses and failures forgotten.
     // A task that no experiment asks for any more leaves the job table, unless it is Leased. Throws
     // InvalidArgument for a name that cannot be a file's, and like keep_imported().
-    void put_experiment(const Plan& plan);
+    enum class ImportedImages { Stay, AsPlanned };
+    void put_experiment(const Plan& plan, ImportedImages imported = ImportedImages::Stay);
     std::vector<std::string> experiments() const;  // names, the latest put first
     // "" means the latest. Throws NotFound with the names that are known.
     Plan experiment(const std::string& name) const;

@@ -50,7 +50,13 @@ void add_import(CLI::App& app, Chosen& chosen) {
     verb.add_option("--metric", options->metrics, "its id, several times; default: relmse.eps0.01")
         ->allow_extra_args(false);
     verb.add_option("--baseline", options->baseline, "a label; default: the first");
+    verb.add_option("--layer", options->layer, "of EXR files that have layers: its name");
     verb.add_flag("--replace", options->replace, "put images in the place of other ones");
+    verb.add_option("--remove", options->remove,
+                    "a method whose imported images leave the experiment, all or with --scene of "
+                    "one scene")
+        ->excludes("images")
+        ->excludes("--list");
 }
 
 void add_export(CLI::App& app, Chosen& chosen) {
