@@ -86,7 +86,9 @@ Budget budget_of(const ImageToImport& image) {
     if (image.budget) return *image.budget;
     // What a reference cost is nobody's concern.
     if (image.method == kReferenceLabel) return SampleBudget{image.passes.value_or(0)};
-    fail(image.file, "give its samples or seconds: only what cost the same can be compared");
+    fail(image.file,
+         "give its samples or seconds, such as --samples 64: only what cost the same can be "
+         "compared");
 }
 
 // Of the pixels alone: a file that was exported and comes back holds the same image.

@@ -106,7 +106,8 @@ class Doubter {
         }
         std::vector<std::string> cases;
         for (const auto& [scene, passes] : of_reference) {
-            if (passes >= of_tests[scene]) continue;
+            const bool is_unknown = passes == 0;  // of imported images
+            if (is_unknown || passes >= of_tests[scene]) continue;
             cases.push_back(
                 fmt::format("{}: {} spp, and a run has {}", scene, passes, of_tests[scene]));
         }

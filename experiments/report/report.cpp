@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/analysis/comparison.h"
+#include "experiments/plan/imported.h"
 #include "experiments/report/claims_formats.h"
 #include "experiments/report/doubts.h"
 #include "experiments/report/page.h"
@@ -32,6 +33,10 @@ std::string fill(std::string_view page, const std::map<std::string, std::string>
         at = close + 2;
     }
     return filled;
+}
+
+std::string counted(std::size_t n, const std::string& what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
 std::string list_to_html(const std::vector<std::string>& lines) {
@@ -120,9 +125,10 @@ class Reporter {
         for (const Budget& budget : plan_.budgets) {
             budgets += (budgets.empty() ? "" : ", ") + to_string(budget);
         }
-        return fmt::format("{} scenes, {} methods; {}; {} cells; {} images in {} precision",
-                           plan_.scenes.size(), plan_.methods.size(), budgets, plan_.cells.size(),
-                           n_images, to_string(contents.precision));
+        return fmt::format(
+            "{}, {}; {}; {}; {} in {} precision", counted(plan_.scenes.size(), "scene"),
+            counted(plan_.methods.size(), "method"), budgets, counted(plan_.cells.size(), "cell"),
+            counted(n_images, "image"), to_string(contents.precision));
     }
 
     std::string claims() const {
@@ -167,10 +173,13 @@ class Reporter {
                 const auto found = shared.find(parameter.first);
                 return found != shared.end() && found->second == parameter.second;
             });
-            html +=
-                fmt::format("<tr><th>{}</th><td>{} v{}</td><td>{}</td></tr>\n", escape_html(label),
-                            escape_html(method.at("method").get<std::string>()),
-                            method.at("version").get<int>(), parameters_to_html(own));
+            const std::string name = method.at("method");
+            html += fmt::format(
+                "<tr><th>{}</th><td>{}</td><td>{}</td></tr>\n", escape_html(label),
+                name.starts_with(imported_method(""))
+                    ? "imported images"
+                    : escape_html(fmt::format("{} v{}", name, method.at("version").get<int>())),
+                parameters_to_html(own));
         };
         for (const std::string& label : plan_.methods) {
             add_row(label, configuration.at("methods").at(label));
@@ -195,12 +204,17 @@ class Reporter {
             "<div class=\"scroll\"><table>\n<thead><tr><th>machine</th><th>threads</th>"
             "<th>build</th><th>compiler</th><th>flags</th><th>runs</th></tr></thead>\n<tbody>\n";
         for (const auto& [from, threads, n_runs] : origins_) {
+            if (from.cpu_model.empty()) {
+                html += fmt::format(
+                    "<tr><td>imported images</td><td></td><td colspan=\"3\">renderer: {}</td>"
+                    "<td>{}</td></tr>\n",
+                    escape_html(from.build_id), n_runs);
+                continue;
+            }
             html += fmt::format(
                 "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td><code>{}</code></td>"
                 "<td>{}</td></tr>\n",
-                from.cpu_model.empty()
-                    ? "imported"
-                    : escape_html(fmt::format("{} ({}, {})", from.cpu_model, from.isa, from.host)),
+                escape_html(fmt::format("{} ({}, {})", from.cpu_model, from.isa, from.host)),
                 threads, escape_html(from.build_id), escape_html(from.compiler),
                 escape_html(from.flags), n_runs);
         }
