@@ -105,7 +105,7 @@ class Viewer {
     async picture(method) {
         const {mode} = this.state;
         const image = this.imageOf(method);
-        if (image === undefined) return {missing: "no finished run"};
+        if (image === undefined) return {missing: "no image"};
         const reference = this.imageOf(kReference);
         if (kModes[mode].needsReference && reference === undefined)
             return {missing: "no reference"};

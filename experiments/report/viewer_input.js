@@ -95,7 +95,7 @@ Object.assign(Viewer.prototype, {
         if (bar) this.bar.replaceChildren(...colorBar(bar));
         const image = this.imageOf(method);
         this.caption.textContent =
-            image ? image.caption : `${this.methods[method]}: no finished run`;
+            image ? image.caption : `${this.methods[method]}: no image`;
         if (image && report.blocks[image.block].precision === "half") {
             this.caption.textContent += " · half floats: values are rounded to 11 bits";
         }

@@ -254,8 +254,12 @@ def look_at_places(page):
         return [box.left + box.width / 2, box.top + box.height / 2];
     })()""")
     page.mouse("mouseWheel", *box, deltaX=0, deltaY=-240)
-    scales = page.run("viewer.panes.map((p) => p.scale(p.image, viewer.view))")
-    check(page.run("viewer.view.zoom") == 2 and len(set(scales)) == 1, "all of them zoom together")
+    scales = page.run("viewer.panes.filter((p) => p.image).map((p) => p.scale(p.image,"
+                      " viewer.view))")
+    check(page.run("viewer.view.zoom") == 2 and len(scales) == 4 and len(set(scales)) == 1,
+          "all of them zoom together")
+    check("no image" in page.run("viewer.panes[4].root.innerText"),
+          "where there is no image it says so")
     press(page, "z")
     press(page, "g")
     page.mouse("mouseMoved", x, y)
@@ -354,8 +358,9 @@ def look_at_words(page):
                            text=True).stdout.split()[1]
     check(last == "provenance" and build in text and "Renderer 1.0" in text,
           "at the end stands what it was made with")
+    page.key("?")
     keys = page.run("document.querySelector('#images').innerText")
-    check("shift" in keys and "esc" in keys, "the keys are told")
+    check("shift" in keys and "esc" in keys, "? tells the keys")
 
 
 def look(page, html, store, exact):
