@@ -16,6 +16,8 @@
 namespace misbench {
 namespace {
 
+constexpr std::size_t kLargeReport = 500'000'000;  // bytes
+
 // What a report of the plan depends on, as far as it grows while the plan is run.
 struct Progress {
     Plan plan;
@@ -61,6 +63,9 @@ void write_report(Store& store, const Plan& plan, const ReportOptions& options,
         static_cast<double>(report.html.size()) / 1e6, report.n_images,
         report.n_images == 1 ? "" : "s",
         running ? fmt::format("; {} of {} tasks done", running->n_done, running->n_tasks) : ""));
+    if (report.html.size() > kLargeReport && options.seeds != "none" && !running) {
+        print_note("--seeds none would leave out all images but the means");
+    }
 }
 
 // Being finished has to hold for two looks in turn: whoever runs the experiment may go on with

@@ -138,8 +138,9 @@ class Charts {
                 "" :
                 "; the line joins those that no other method beats in both";
             this.add(`${metric.metric} by method, ${budget}`, this.byMethod(cells));
+            // At one effort of all it would say nothing more.
             const spent = cells.filter((cell) => cell[this.state.effort] > 0);
-            if (spent.length > 0) {
+            if (new Set(spent.map((cell) => cell[this.state.effort])).size > 1) {
                 this.add(
                     `${metric.metric} over ${effort}, ${budget}${front}`, this.tradeoff(spent));
             }

@@ -34,6 +34,7 @@ class ResultTable {
     constructor(details, comparison) {
         this.details = details;
         this.name = `table of ${comparison.metric}`;
+        details.append(details.querySelector(".footer"));  // it does not scroll with the table
         this.table = details.querySelector("table");
         this.body = this.table.tBodies[0];
         this.headers = [...this.table.tHead.rows[0].cells];

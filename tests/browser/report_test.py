@@ -336,9 +336,9 @@ def look_at_charts(page):
     check(page.run("charts.charts.length") == 3, "there are three charts")
     check(page.run("charts.charts[2].data.datasets[0].data.length") == 2,
           "a curve has a point for each budget")
-    # Of every method's color: a chart without its marks has grid and letters all the same.
-    drawn = page.run("""charts.charts.map(({canvas}) => {
-        const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    # Of every method's color: a chart without its marks has grid, letters and legend all the same.
+    drawn = page.run("""charts.charts.map(({canvas, chartArea: {left, top, width, height}}) => {
+        const {data} = canvas.getContext("2d").getImageData(left, top, width, height);
         const seen = new Set();
         for (let i = 0; i < data.length; i += 4)
             if (data[i + 3] > 200) seen.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2]);
