@@ -34,9 +34,9 @@ const colorAt = (map, t) => [...map.slice(placeInMap(t), placeInMap(t) + 3)];
 
 // The constant of relmse.eps0.01.
 const kEpsilon = 0.01;
-// Of one color map over errors, two decades below and above what is typical of a scene, so that all
-// methods and seeds of it have the same colors.
-const kErrorDecades = 2;
+// Of a color map over errors: from so many decades below to above what is typical of a scene, so that
+// all methods and seeds of it have the same colors. Few pixels make most of a mean error.
+const kErrorDecades = [-3, 1];
 const kTypicalError = 0.03;  // where none is measured
 
 function typicalError(scene) {
@@ -114,9 +114,8 @@ const kModes = {
     },
 };
 
-// Stops are relative to an error of 1 in the middle.
-const errorRange = (stops) =>
-    [-kErrorDecades, kErrorDecades].map((decade) => 10 ** decade / 2 ** stops);
+// Stops are relative to a typical error of 1.
+const errorRange = (stops) => kErrorDecades.map((decade) => 10 ** decade / 2 ** stops);
 
 function mapPainter(map, place) {
     return (i, data, at) => {

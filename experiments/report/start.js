@@ -24,6 +24,7 @@ if (report.running !== null) {
     document.title = `${Math.floor((100 * done) / tasks)} % ${document.title}`;
     const count = `${done} of ${tasks} tasks done${failed > 0 ? `, ${failed} failed` : ""}`;
     const time = new Date(document.lastModified).toLocaleTimeString();
+    document.body.classList.add("unfinished");
     document.querySelector("header").append(element("p", {class: "running"},
         element("progress", {max: tasks, value: done + failed}),
         ` running: ${count} at ${time}; errors are of what is done; loads again every ${seconds} s`));

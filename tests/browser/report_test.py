@@ -169,7 +169,7 @@ def look_at_modes(page):
     means = page.run("report.metrics[0].cells.filter((c) => c.scene === report.scenes[0].name)"
                      ".map((c) => c.mean?.value).filter((v) => v > 0)")
     middle = round(math.log10(sorted(means)[len(means) // 2]))
-    heat = (math.log10(error) - middle + 2) / 4  # two decades below and above
+    heat = (math.log10(error) - middle + 3) / 4  # three decades below, one above
     check(colors(page) == page.run(f"colorAt(kHeat, {heat})"), "and so is its false color")
     press(page, "d")
     difference = sum(a - b for a, b in pairs) / 3
@@ -194,7 +194,7 @@ def look_at_modes(page):
     shown = page.run("getComputedStyle(viewer.bar).visibility")
     check(shown == "visible" and "error," in bar
           and all(math.isclose(float(text), 10.0 ** (middle + side), rel_tol=1e-9)
-                  for text, side in zip(bar, (-2, 2))),
+                  for text, side in zip(bar, (-3, 1))),
           "the color bar tells what the colors mean:", *bar)
     press(page, "i")
     check(page.run("getComputedStyle(viewer.bar).visibility") == "hidden",

@@ -142,14 +142,14 @@ TEST_F(StoresTest, DiffNamesTheSceneFileThatHasChanged) {
     const auto run_own = [](const std::string& store) {
         return run(store, {"--scenes", file("scenes"), "--set", "seeds=[1, 2]"});
     };
-    ASSERT_EQ(run_own("own").exit_code, 0);
+    ASSERT_EQ(run_own("unchanged").exit_code, 0);
     fs::path scene;
     for (const auto& entry : fs::recursive_directory_iterator(file("scenes"))) {
         if (entry.path().extension() == ".json") scene = entry.path();
     }
     std::ofstream(scene, std::ios::app) << " ";
     ASSERT_EQ(run_own("changed").exit_code, 0);
-    const Outcome diff = misbench({"diff", file("own"), file("changed")});
+    const Outcome diff = misbench({"diff", file("unchanged"), file("changed")});
     EXPECT_EQ(diff.exit_code, 1) << diff.err;
     EXPECT_THAT(diff.out, HasSubstr("scene content of " + scene.string() + " ("));
 }
