@@ -45,18 +45,29 @@ Progress progress_of(const Store& store, const std::string& experiment) {
     return progress;
 }
 
-// Whoever runs an experiment measures its runs after the last one: until then we do.
+constexpr int kMostTries = 3;
+
+// Whoever runs an experiment measures its runs after the last one: until then we do. A run that
+// comes in meanwhile would look as if it could not be measured, so it is looked at once more.
+Report measured_report(Store& store, const Plan& plan, const ReportContents& contents) {
+    store.measure_in_memory(plan);
+    Report report = make_report(store, plan, contents);
+    for (int tries = 1; tries < kMostTries && store.measure_in_memory(plan) > 0; ++tries) {
+        report = make_report(store, plan, contents);
+    }
+    return report;
+}
+
 void write_report(Store& store, const Plan& plan, const ReportOptions& options,
                   const std::optional<Running>& running) {
-    store.measure_in_memory(plan);
     const std::filesystem::path output = options.output.empty()
                                              ? store.folder() / "report.html"
                                              : std::filesystem::path(options.output);
     const Report report =
-        make_report(store, plan,
-                    {.seeds = seed_images_from_string(options.seeds),
-                     .precision = options.full_precision ? Precision::Float : Precision::Half,
-                     .running = running});
+        measured_report(store, plan,
+                        {.seeds = seed_images_from_string(options.seeds),
+                         .precision = options.full_precision ? Precision::Float : Precision::Half,
+                         .running = running});
     write_file_durably(output, report.html);
     print_note(fmt::format(
         "wrote {}: {:.1f} MB, {} image{}{}", output.string(),
