@@ -15,6 +15,18 @@ std::string known_one(const std::string& kind, const Placed<std::string>& name,
     return name.value;
 }
 
+constexpr std::string_view kImported = "imported:";
+
+// A label of the plan, or of images that are imported beside it: imported:LABEL.
+std::string resolve_method(const Placed<std::string>& name, const Plan& plan) {
+    if (!name.value.starts_with(kImported)) return known_one("method", name, plan.methods);
+    std::string label = name.value.substr(kImported.size());
+    if (std::ranges::find(plan.methods, label) != plan.methods.end()) {
+        fail_at(name.place, "'" + label + "' is a method of this file, not one of imported images");
+    }
+    return label;
+}
+
 std::string resolve_metric(const ClaimEntry& entry, const Plan& plan) {
     if (!entry.metric) return plan.metrics.front();
     std::vector<std::string> known = plan.metrics;
@@ -38,13 +50,15 @@ bool has_cell(const Plan& plan, const std::string& scene, const std::string& met
     });
 }
 
-// Those named, which must have both methods, or all that have both.
+// Those named, which must have both methods, or all that have both. Which of them imported images
+// will have nobody knows yet.
 std::vector<std::string> resolve_scenes(const ClaimEntry& entry, const Claim& claim,
                                         const Plan& plan) {
     std::vector<std::string> known;
     std::vector<std::string> scenes;
     const auto lacks = [&](const std::string& scene, const std::string& method) {
-        return !has_cell(plan, scene, method, claim.budget);
+        const bool is_rendered = std::ranges::find(plan.methods, method) != plan.methods.end();
+        return is_rendered && !has_cell(plan, scene, method, claim.budget);
     };
     for (const PlannedScene& scene : plan.scenes) {
         known.push_back(scene.name);
@@ -88,7 +102,7 @@ Claim resolve_claim(const ClaimEntry& entry, const Plan& plan) {
     Claim claim{.text = entry.text,
                 .where = entry.where,
                 .scenes = {},
-                .method = known_one("method", entry.method, plan.methods),
+                .method = resolve_method(entry.method, plan),
                 .against = plan.baseline,
                 .metric = resolve_metric(entry, plan),
                 .budget = resolve_budget(entry, plan),
@@ -96,7 +110,7 @@ Claim resolve_claim(const ClaimEntry& entry, const Plan& plan) {
                 .expect = entry.expect,
                 .margin = entry.margin,
                 .note = entry.note};
-    if (entry.against) claim.against = known_one("method", *entry.against, plan.methods);
+    if (entry.against) claim.against = resolve_method(*entry.against, plan);
     if (claim.method == claim.against) {
         fail_at(entry.against ? entry.against->place : entry.method.place,
                 "a claim compares '" + claim.method + "' with itself");

@@ -33,8 +33,8 @@ constexpr const char* kWorker = "import";
 
 // Linear RGB. The pixels of files with alpha are taken as they are: they are what reached the
 // sensor, and alpha says nothing of light.
-Image read_image(const fs::path& file, const std::string& bytes) {
-    const Pixels pixels = decode_image(bytes, "import '" + file.string() + "'");
+Image read_image(const fs::path& file, const std::string& bytes, const std::string& layer) {
+    const Pixels pixels = decode_image(bytes, "import '" + file.string() + "'", layer);
     const auto* values = std::get_if<std::vector<float>>(&pixels.values);
     if (values == nullptr) {
         fail(file,
@@ -86,7 +86,9 @@ Budget budget_of(const ImageToImport& image) {
     if (image.budget) return *image.budget;
     // What a reference cost is nobody's concern.
     if (image.method == kReferenceLabel) return SampleBudget{image.passes.value_or(0)};
-    fail(image.file, "give its samples or seconds: only what cost the same can be compared");
+    fail(image.file,
+         "give its samples or seconds, such as --samples 64: only what cost the same can be "
+         "compared");
 }
 
 // Of the pixels alone: a file that was exported and comes back holds the same image.
@@ -95,14 +97,14 @@ std::string sha256_of(const Image& image) {
         {reinterpret_cast<const char*>(image.rgb.data()), image.rgb.size() * sizeof(float)});
 }
 
-Facts facts_of(const ImageToImport& image) {
+Facts facts_of(const ImageToImport& image, const std::string& layer) {
     if (image.scene.empty()) fail(image.file, "give its scene");
     if (image.method.empty()) fail(image.file, "give its method, a label");
     if (image.parameters.contains(kImportParameter)) {
         fail(image.file, std::string("parameter '") + kImportParameter + "' is taken");
     }
     const std::string bytes = read_file(image.file);
-    const Image pixels = read_image(image.file, bytes);
+    const Image pixels = read_image(image.file, bytes, layer);
     Facts facts{.image = &image,
                 .file_sha256 = sha256_hex(bytes),
                 .pixels_sha256 = sha256_of(pixels),
@@ -256,13 +258,13 @@ std::string why_invalid(const Facts& facts) {
 }
 
 // Reads the image again: of a thousand images not all fit into memory.
-void commit_image(Store& store, const Task& task, const Facts& facts) {
+void commit_image(Store& store, const Task& task, const Facts& facts, const std::string& layer) {
     const fs::path& file = facts.image->file;
     const std::string bytes = read_file(file);
     if (sha256_hex(bytes) != facts.file_sha256) fail(file, "it changed while it was imported");
     const std::string id = task_id(task);
     const fs::path staged = store.stage(id, 0);
-    write_exr(staged / kImageFile, read_image(file, bytes),
+    write_exr(staged / kImageFile, read_image(file, bytes, layer),
               {{"run", id}, {"scene", task.scene}, {"method", task.method}});
     const std::string& renderer = facts.image->renderer;
     const std::string now = utc_now();
@@ -303,7 +305,8 @@ Imported import_images(const fs::path& folder, const ImportRequest& request) {
     if (request.images.empty()) throw Error(Errc::InvalidArgument, "import: no images are given");
     require_different_places(request.images);
     std::vector<Facts> images;
-    for (const ImageToImport& image : request.images) images.push_back(facts_of(image));
+    for (const ImageToImport& image : request.images)
+        images.push_back(facts_of(image, request.layer));
     assign_halves(images, request.one_reference);
     // What is wrong by itself makes no store.
     if (!fs::exists(folder)) with_images(new_plan(request.experiment), request, images);
@@ -320,12 +323,23 @@ Imported import_images(const fs::path& folder, const ImportRequest& request) {
             result.invalid.push_back(why_invalid(facts));
         }
         const bool is_known = store.has_run(task_id(task));
-        if (!is_known) commit_image(store, task, facts);
+        if (!is_known) commit_image(store, task, facts, request.layer);
         ++(is_known ? result.n_known : result.n_new);
     }
     if (result.plan != before) store.put_experiment(result.plan);
     result.n_measured = store.measure(result.plan);
     return result;
+}
+
+int remove_images(const fs::path& folder, const std::string& experiment, const std::string& label,
+                  const std::string& scene) {
+    Store(folder, Store::Access::ReadOnly).experiment(experiment);  // makes no store
+    Store store(folder, Store::Access::ReadWrite);
+    Plan plan = store.experiment(experiment);
+    const int n_removed = remove_imported(plan, label, scene);
+    store.put_experiment(plan, Store::ImportedImages::AsPlanned);
+    store.measure(plan);
+    return n_removed;
 }
 
 }  // namespace misbench

@@ -36,6 +36,7 @@ struct ImportRequest {
     std::string baseline = {};              // "" leaves it; the first method of a new experiment
     bool replace = false;                   // images in the place of others
     bool one_reference = false;             // a single image stands for both halves
+    std::string layer = {};                 // of EXR files, as in decode_image()
 };
 
 struct Imported {
@@ -50,5 +51,10 @@ struct Imported {
 // replaced stay in it, without a cell. Throws InvalidArgument naming the file for what is wrong
 // with an image or what is said of it.
 Imported import_images(const std::filesystem::path& store, const ImportRequest& request);
+
+// Takes the images of a label out of an experiment, as remove_imported() of a plan does; their runs
+// stay in the store. Returns how many.
+int remove_images(const std::filesystem::path& store, const std::string& experiment,
+                  const std::string& label, const std::string& scene);
 
 }  // namespace misbench

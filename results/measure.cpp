@@ -121,16 +121,48 @@ int measure_against(const Database& database, const fs::path& store, const PairI
     return n_added;
 }
 
+// As in schema.cpp, of which the keys are what matters here.
+constexpr const char* kTablesInMemory = R"sql(
+PRAGMA temp_store = MEMORY;
+CREATE TEMP TABLE measurements (
+    run TEXT, snapshot INTEGER, reference_a TEXT, reference_b TEXT, metric TEXT, value REAL,
+    PRIMARY KEY (run, snapshot, reference_a, reference_b, metric)) WITHOUT ROWID;
+CREATE TEMP TABLE reference_noise (
+    run TEXT, reference_a TEXT, reference_b TEXT, share REAL,
+    PRIMARY KEY (run, reference_a, reference_b)) WITHOUT ROWID;
+)sql";
+
+void begin_in_memory(const Database& database, const std::string& experiment) {
+    database.execute(kTablesInMemory);
+    for (const std::string table : {"measurements", "reference_noise"}) {
+        database
+            .prepare("INSERT INTO temp." + table + " SELECT * FROM main." + table +
+                     " WHERE run IN (SELECT task FROM cells WHERE experiment = ?1)")
+            .bind(experiment)
+            .run();
+    }
+}
+
 }  // namespace
 
-int measure_plan(const Database& database, const fs::path& store, const Plan& plan) {
+bool measures_in_memory(const Database& database) {
+    return database.integer("SELECT count(*) FROM temp.sqlite_schema WHERE name = 'measurements'") >
+           0;
+}
+
+int measure_plan(const Database& database, const fs::path& store, const Plan& plan,
+                 MeasureInto into) {
     std::vector<const Metric*> wanted;
     for (const std::string& id : plan.metrics) wanted.push_back(&find_metric(id));
     int n_added = 0;
     for (const auto& [pair, runs] : tested_runs(plan)) {
         if (!is_valid_run(database, pair.first) || !is_valid_run(database, pair.second)) continue;
         const auto lacks = lacks_of(database, pair, runs, wanted);
-        if (!lacks.empty()) n_added += measure_against(database, store, pair, lacks);
+        if (lacks.empty()) continue;
+        if (into == MeasureInto::Memory && !measures_in_memory(database)) {
+            begin_in_memory(database, plan.experiment);
+        }
+        n_added += measure_against(database, store, pair, lacks);
     }
     return n_added;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "renderer/base/check.h"
+#include "results/measure.h"
 
 namespace misbench {
 namespace {
@@ -29,7 +30,9 @@ std::vector<T> numbers_of(std::span<const std::byte> bytes) {
     return numbers;
 }
 
+// Rollups know nothing of what is measured in memory.
 bool is_rolled_up(const Database& database, const std::string& experiment) {
+    if (measures_in_memory(database)) return false;
     return database.prepare("SELECT 1 FROM experiments WHERE name = ?1 AND rolled_up = 1")
         .bind(experiment)
         .step();

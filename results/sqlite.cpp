@@ -258,6 +258,13 @@ void Database::execute(const std::string& sql) const {
     check(handle_.get(), sqlite3_exec(handle_.get(), sql.c_str(), nullptr, nullptr, nullptr));
 }
 
+bool Database::has_moved() const {
+    int moved = 0;
+    check(handle_.get(),
+          sqlite3_file_control(handle_.get(), "main", SQLITE_FCNTL_HAS_MOVED, &moved));
+    return moved != 0;
+}
+
 std::int64_t Database::integer(std::string_view sql) const {
     Statement statement = prepare(sql);
     MISBENCH_CHECK(statement.step());

@@ -94,6 +94,8 @@ class Database {
     void execute(const std::string& sql) const;
     // The first column of the first row. REQUIRES: there is one.
     std::int64_t integer(std::string_view sql) const;
+    // Its file is not where it was opened, or another one is.
+    bool has_moved() const;
 
  private:
     struct Close {

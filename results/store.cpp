@@ -54,7 +54,7 @@ Store::~Store() = default;
 Store::Store(Store&&) noexcept = default;
 Store& Store::operator=(Store&&) noexcept = default;
 
-void Store::put_experiment(const Plan& plan) {
+void Store::put_experiment(const Plan& plan, ImportedImages imported) {
     const auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
                          std::chrono::system_clock::now().time_since_epoch())
                          .count();
@@ -63,7 +63,7 @@ void Store::put_experiment(const Plan& plan) {
         database_->integer("SELECT ifnull(max(submitted_at_ms), 0) + 1 FROM experiments");
     Plan kept = plan;
     const fs::path path = experiment_path(folder_, plan.experiment);
-    if (fs::exists(path)) {
+    if (imported == ImportedImages::Stay && fs::exists(path)) {
         for (const std::string& what : keep_imported(kept, read_experiment_file(path).plan)) {
             spdlog::warn("imported image left out experiment={} image={}", plan.experiment, what);
         }
@@ -75,6 +75,8 @@ void Store::drop_experiment(const std::string& name) {
     delete_experiment(*database_, name);
     fs::remove(experiment_path(folder_, name));
 }
+
+bool Store::is_outdated() const { return database_->has_moved(); }
 
 std::vector<std::string> Store::experiments() const {
     Statement select =
@@ -195,6 +197,10 @@ int Store::measure(const Plan& plan) {
     update_moments(*database_, folder_);
     roll_up(*database_);
     return n_added;
+}
+
+int Store::measure_in_memory(const Plan& plan) {
+    return measure_plan(*database_, folder_, plan, MeasureInto::Memory);
 }
 
 std::vector<CellSeeds> Store::cell_seeds(const std::string& experiment,

@@ -121,6 +121,8 @@ class Store {
     Store& operator=(Store&&) noexcept;
 
     const std::filesystem::path& folder() const { return folder_; }
+    // Another database is in the place of this one: reindex() made it.
+    bool is_outdated() const;
 
     // --- experiments ---------------------------------------------------------------------------
     // Writes the plan's file, then its rows: cells, and tasks that are new. Replaces an experiment
@@ -128,7 +130,8 @@ class Store {
     // A Failed task that is planned again becomes Pending, with its losses and failures forgotten.
     // A task that no experiment asks for any more leaves the job table, unless it is Leased. Throws
     // InvalidArgument for a name that cannot be a file's, and like keep_imported().
-    void put_experiment(const Plan& plan);
+    enum class ImportedImages { Stay, AsPlanned };
+    void put_experiment(const Plan& plan, ImportedImages imported = ImportedImages::Stay);
     // Its runs stay; its tasks leave the job table like above. Nothing happens where there is none.
     void drop_experiment(const std::string& name);
     // Names, the latest put first, those of references alone last.
@@ -170,6 +173,9 @@ class Store {
     // its reference are there and valid, of images and of snapshots; then makes the moments of all
     // cells and the rollups anew. Returns how many measurements were added.
     int measure(const Plan& plan);
+    // The same measurements in memory, for this object alone, which may be ReadOnly: of an
+    // experiment that another process is running. May be called again as runs come in.
+    int measure_in_memory(const Plan& plan);
     std::vector<Measurement> measurements(const Plan& plan) const;  // of images
     // By run, then samples.
     std::vector<SnapshotMeasurement> snapshot_measurements(const Plan& plan,

@@ -4,7 +4,6 @@
 #include <map>
 
 #include "renderer/base/check.h"
-#include "renderer/base/error.h"
 
 namespace misbench {
 namespace {
@@ -56,13 +55,18 @@ struct ClaimedScene {
 
 ClaimedScene claimed_scene(const Claim& claim, const Comparison& comparison,
                            const std::string& name) {
-    const ClaimedScene scene{name, comparison.find(name, claim.method, claim.budget),
-                             comparison.find(name, claim.against, claim.budget)};
-    if (scene.method == nullptr || scene.against == nullptr) {
-        throw Error(Errc::DataLoss, "experiment '" + comparison.experiment + "': the claim '" +
-                                        claim.text + "' is about cells that are not in its plan");
+    return {name, comparison.find(name, claim.method, claim.budget),
+            comparison.find(name, claim.against, claim.budget)};
+}
+
+// The first cell that the plan does not have: images that have not been imported, or not yet.
+std::string not_imported(const Claim& claim, const std::vector<ClaimedScene>& scenes) {
+    for (const auto& [name, method, against] : scenes) {
+        if (method != nullptr && against != nullptr) continue;
+        return name + ", " + (method == nullptr ? claim.method : claim.against) +
+               ": no images are imported";
     }
-    return scene;
+    return "";
 }
 
 Finding judge_ratio(const Claim& claim, const Estimate& ratio) {
@@ -93,12 +97,15 @@ ClaimFinding judge_over(const Claim& claim, const std::vector<ClaimedScene>& sce
                        .scene = claim.over == ClaimOver::Each ? scenes.front().name : "",
                        .ratio = std::nullopt,
                        .paper = std::nullopt,
-                       .n_seeds = scenes.front().method->n_measured,
+                       .n_seeds = 0,
                        .reason = "",
                        .more_seeds = std::nullopt,
                        .is_paired = true};
     const auto paper = claim.paper.find(found.scene);
     if (paper != claim.paper.end()) found.paper = paper->second;
+    found.reason = not_imported(claim, scenes);
+    if (!found.reason.empty()) return found;
+    found.n_seeds = scenes.front().method->n_measured;
     std::vector<LogRatio> ratios;
     std::string missing;
     for (const ClaimedScene& scene : scenes) {

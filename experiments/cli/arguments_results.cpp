@@ -108,6 +108,7 @@ void add_compare(CLI::App& app, Chosen& chosen) {
         ->check(CLI::IsMember({"text", "csv", "json", "markdown"}))
         ->capture_default_str();
     verb.add_option("--map", options->map, "write the metric of each pixel: .exr or .png");
+    verb.add_option("--layer", options->layer, "of EXR files that have layers: its name");
 }
 
 void add_bias(CLI::App& app, Chosen& chosen) {

@@ -18,6 +18,12 @@ void add_import(CLI::App& app, Chosen& chosen) {
     const auto options = std::make_shared<ImportOptions>();
     CLI::App& verb = add_verb(app, "import", "take images of another renderer into a store",
                               import_verb, options, chosen);
+    verb.footer(
+        "For example, 64 samples a pixel of several methods, their references, and a mistake:\n"
+        "  misbench import STORE --experiment NAME FOLDER --samples 64 \\\n"
+        "      --pattern '{scene}/{method}-seed{seed}.exr'\n"
+        "  misbench import STORE --experiment NAME --scene SCENE --reference A.exr B.exr\n"
+        "  misbench import STORE --experiment NAME --remove METHOD");
     verb.add_option("store", options->store, "results store, made if needed")->required();
     verb.add_option("images", options->images,
                     "EXR, PFM or HDR files, of seeds that count up; with --pattern their folder");
@@ -31,7 +37,8 @@ void add_import(CLI::App& app, Chosen& chosen) {
     verb.add_option("--scene", options->scene, "its name");
     verb.add_option("--method", options->method, "the label in tables");
     verb.add_option("--seed", options->seed, "of the first image")->capture_default_str();
-    verb.add_option("--samples", options->samples, "a pixel, to compare at equal samples");
+    verb.add_option("--samples", options->samples,
+                    "a pixel, to compare at equal samples; the field {samples} where they differ");
     verb.add_option("--seconds", options->seconds, "what it took, to compare at equal time");
     verb.add_option("--clock", options->clock,
                     "cpu: seconds of all threads added up, or wall; default: cpu");
@@ -50,7 +57,13 @@ void add_import(CLI::App& app, Chosen& chosen) {
     verb.add_option("--metric", options->metrics, "its id, several times; default: relmse.eps0.01")
         ->allow_extra_args(false);
     verb.add_option("--baseline", options->baseline, "a label; default: the first");
+    verb.add_option("--layer", options->layer, "of EXR files that have layers: its name");
     verb.add_flag("--replace", options->replace, "put images in the place of other ones");
+    verb.add_option("--remove", options->remove,
+                    "a method whose imported images leave the experiment, all or with --scene of "
+                    "one scene")
+        ->excludes("images")
+        ->excludes("--list");
 }
 
 void add_export(CLI::App& app, Chosen& chosen) {

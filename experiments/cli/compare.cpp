@@ -49,8 +49,9 @@ std::vector<const Metric*> metrics_of(const CompareOptions& options) {
 }
 
 // The image of a file. What had to be assumed of it becomes a note.
-Image read_noting(const std::string& file, ImageComparison& comparison) {
-    ImageFile read = read_image_file(file);
+Image read_noting(const std::string& file, const CompareOptions& options,
+                  ImageComparison& comparison) {
+    ImageFile read = read_image_file(file, options.layer);
     if (!read.assumption.empty()) comparison.notes.push_back(file + ": " + read.assumption);
     return std::move(read.image);
 }
@@ -248,15 +249,16 @@ int compare_verb(const CompareOptions& options) {
     require_one_map(options);
     ImageComparison comparison;
     comparison.metrics = metrics_of(options);
-    const Image a = read_noting(options.reference, comparison);
-    const Image b = options.reference_b.empty() ? a : read_noting(options.reference_b, comparison);
+    const Image a = read_noting(options.reference, options, comparison);
+    const Image b =
+        options.reference_b.empty() ? a : read_noting(options.reference_b, options, comparison);
     if (!options.reference_b.empty()) {
         require_size_of_reference(options.reference_b, b, options, a);
     }
     comparison.is_naive = a == b;
     note_reference(options, comparison);
     for (const std::string& file : options.images) {
-        const Image image = read_noting(file, comparison);
+        const Image image = read_noting(file, options, comparison);
         require_size_of_reference(file, image, options, a);
         comparison.images.push_back(compare_image(file, image, {a, b}, comparison));
         if (!options.map.empty()) write_map(options, *comparison.metrics.front(), image, {a, b});

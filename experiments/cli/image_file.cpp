@@ -72,9 +72,9 @@ std::string bytes_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-ImageFile read_image_file(const std::filesystem::path& path) {
+ImageFile read_image_file(const std::filesystem::path& path, const std::string& layer) {
     const std::string name = "image '" + path.string() + "'";
-    const Pixels pixels = decode_image(bytes_of(path), name);
+    const Pixels pixels = decode_image(bytes_of(path), name, layer);
     ImageFile file{.image = linear_rgb(pixels), .assumption = {}};
     require_finite(file.image, name);
     const bool is_encoded = !std::holds_alternative<std::vector<float>>(pixels.values);

@@ -14,8 +14,8 @@ struct ImageFile {
 };
 
 // EXR, PFM, HDR: linear, as they are. PNG, JPEG, TGA, BMP: sRGB. Grey is the same in all channels,
-// alpha is left out. Throws InvalidArgument for what cannot be read, is no image, or has pixels that
-// are not finite.
-ImageFile read_image_file(const std::filesystem::path& path);
+// alpha is left out. Throws InvalidArgument for what cannot be read, is no image, or has pixels
+// that are not finite. `layer` as in decode_image().
+ImageFile read_image_file(const std::filesystem::path& path, const std::string& layer = "");
 
 }  // namespace misbench

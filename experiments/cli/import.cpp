@@ -96,16 +96,25 @@ std::string next_steps(const ImportOptions& options, const Plan& plan) {
     return text;
 }
 
+int remove_verb(const ImportOptions& options) {
+    const int n = remove_images(options.store, options.experiment, options.remove, options.scene);
+    print_result(fmt::format("{} image{} of '{}' removed from experiment '{}' of store '{}'\n", n,
+                             n == 1 ? "" : "s", options.remove, options.experiment, options.store));
+    return 0;
+}
+
 }  // namespace
 
 int import_verb(const ImportOptions& options) {
     init_log("misbench", "warn");
+    if (!options.remove.empty()) return remove_verb(options);
     ImportRequest request{.experiment = options.experiment,
                           .images = images_to_import(options),
                           .metrics = options.metrics,
                           .baseline = options.baseline,
                           .replace = options.replace,
-                          .one_reference = options.one_reference};
+                          .one_reference = options.one_reference,
+                          .layer = options.layer};
     const ParameterMap parameters = parse_parameters(options.parameters);
     for (ImageToImport& image : request.images) {
         if (image.method != kReferenceLabel) image.parameters = parameters;

@@ -52,7 +52,10 @@ int table_verb(const TableOptions& options) {
     if (plans.empty()) plans.push_back(store.experiment_head(""));
     const std::vector<Comparison> comparisons = comparisons_of(store, options, plans);
     if (std::ranges::all_of(comparisons, [](const auto& c) { return c.cells.empty(); })) {
-        throw Error(Errc::InvalidArgument, "make a table: no seed matches '" + options.where + "'");
+        throw Error(Errc::InvalidArgument,
+                    options.where.empty()
+                        ? "make a table: experiment '" + plans[0].experiment + "' has no methods"
+                        : "make a table: no seed matches '" + options.where + "'");
     }
     if (options.format == "csv") {
         print_result(to_csv(comparisons));

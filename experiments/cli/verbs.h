@@ -202,6 +202,7 @@ struct CompareOptions {
     std::vector<std::string> metrics;  // ids; empty for a choice of them
     std::string format = "text";       // text, csv, json, markdown
     std::string map;                   // .exr or .png, "" for none; only of one image by one metric
+    std::string layer;                 // of EXR files, "" for channels without one
 };
 int compare_verb(const CompareOptions& options);
 // Texts as they were written: fields of image_list.h, "" where not given.
@@ -221,11 +222,13 @@ struct ImportOptions {
     std::string budget;
     std::string passes;
     std::string renderer;
+    std::string layer;                    // of EXR files, "" for channels without one
     std::vector<std::string> parameters;  // KEY=VALUE
     std::vector<std::string> metrics;
     std::string baseline;
     bool replace = false;
     bool one_reference = false;
+    std::string remove;  // a method
 };
 int import_verb(const ImportOptions& options);
 

@@ -42,7 +42,8 @@
 //   claim          what is said, in words                           (required)
 //   where          where in the paper                               ""
 //   scenes         list of scenes                                   all
-//   method         a label of methods                               (required)
+//   method         a label of methods, or imported:LABEL of         (required)
+//                  images of another renderer
 //   against        another label                                    the baseline
 //   metric         one of metrics, or seconds_per_pass              the first
 //   budget         one of budgets                                   the first

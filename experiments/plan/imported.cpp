@@ -93,6 +93,31 @@ void add(Plan& plan, const Cell& cell) {
     plan.cells.push_back(cell);
 }
 
+std::string label_of(const Cell& cell) {
+    return cell.role == Role::Test ? cell.method : kReferenceLabel;
+}
+
+// Takes out what only the cell that has left had.
+void forget_unused(Plan& plan, const Cell& gone) {
+    const auto has_cell = [&plan](auto is_it) { return std::ranges::any_of(plan.cells, is_it); };
+    if (!has_cell([&gone](const Cell& cell) { return cell.scene == gone.scene; })) {
+        std::erase_if(plan.scenes, [&gone](const auto& scene) { return scene.name == gone.scene; });
+    }
+    if (gone.role != Role::Test) return;
+    const auto has_test = [&](auto Cell::*field) {
+        return has_cell([&gone, field](const Cell& cell) {
+            return cell.role == Role::Test && cell.*field == gone.*field;
+        });
+    };
+    if (!has_test(&Cell::budget)) std::erase(plan.budgets, gone.budget);
+    if (has_test(&Cell::method)) return;
+    std::erase(plan.methods, gone.method);
+    nlohmann::json configuration = nlohmann::json::parse(plan.configuration);
+    configuration["methods"].erase(gone.method);
+    plan.configuration = configuration.dump();
+    if (plan.baseline == gone.method) plan.baseline = plan.methods.empty() ? "" : plan.methods[0];
+}
+
 }  // namespace
 
 std::string imported_method(const std::string& label) { return std::string(kPrefix) + label; }
@@ -150,6 +175,34 @@ void add_imported(Plan& plan, const Cell& cell, bool replace) {
         plan.cells.erase(there);
     }
     add(plan, cell);
+}
+
+int remove_imported(Plan& plan, const std::string& label, const std::string& scene) {
+    std::vector<std::string> labels;
+    for (const Cell& cell : plan.cells) {
+        if (is_imported(cell.task) && !contains(labels, label_of(cell))) {
+            labels.push_back(label_of(cell));
+        }
+    }
+    require_label_is_free(plan, label);
+    if (!contains(labels, label)) refuse(plan, unknown_name("imported method", label, labels));
+    if (!scene.empty() && !contains(scene_names(plan), scene)) {
+        refuse(plan, unknown_name("scene", scene, scene_names(plan)));
+    }
+    for (const Claim& claim : plan.claims) {
+        if (claim.method == label || claim.against == label) {
+            refuse(plan, "the claim '" + claim.text + "' is about '" + label + "'");
+        }
+    }
+    const auto is_kept = [&](const Cell& cell) {
+        return !is_imported(cell.task) || label_of(cell) != label ||
+               (!scene.empty() && cell.scene != scene);
+    };
+    const auto first = std::ranges::stable_partition(plan.cells, is_kept).begin();
+    const std::vector<Cell> removed(first, plan.cells.end());
+    plan.cells.erase(first, plan.cells.end());
+    for (const Cell& cell : removed) forget_unused(plan, cell);
+    return static_cast<int>(removed.size());
 }
 
 std::vector<std::string> keep_imported(Plan& plan, const Plan& before) {

@@ -37,6 +37,12 @@ void sort_cells(Plan& plan);
 // than the scene has. An experiment that misbench renders gets no new scenes.
 void add_imported(Plan& plan, const Cell& cell, bool replace);
 
+// Takes the images of a label out of the plan, of all scenes or of those named; returns how many. A
+// label, budget or scene that nothing is left of goes too, unless an experiment's file has it.
+// Throws InvalidArgument where misbench renders the label, where no image has it, and where a claim
+// is about it.
+int remove_imported(Plan& plan, const std::string& label, const std::string& scene);
+
 // The imported cells of `before` that the plan does not have, added to it: an experiment's file
 // knows nothing of them. Left out, and named in what is returned, are images of a scene whose
 // content or size is another one now, and references that the plan has itself. Throws

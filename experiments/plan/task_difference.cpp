@@ -14,6 +14,12 @@ std::string size_of(const Task& task) {
     return std::to_string(task.width) + "x" + std::to_string(task.height);
 }
 
+// Which file it is, and enough of the hash to tell it from another one.
+std::string content_of(const Task& task) {
+    const std::string hash = task.scene_hash.substr(0, 12);
+    return task.scene_file.empty() ? hash : "of " + task.scene_file + " (" + hash + ")";
+}
+
 std::string value_of(const ParameterMap& parameters, const std::string& key) {
     const auto found = parameters.find(key);
     return found == parameters.end() ? "" : to_string(found->second);
@@ -27,7 +33,7 @@ std::vector<TaskDifference> task_differences(const Task& a, const Task& b) {
                                         const std::string& in_b) {
         if (in_a != in_b) differences.push_back({field, in_a, in_b});
     };
-    compare("scene content", a.scene_hash, b.scene_hash);
+    if (a.scene_hash != b.scene_hash) compare("scene content", content_of(a), content_of(b));
     compare("image size", size_of(a), size_of(b));
     compare("method", a.method, b.method);
     compare("method version", std::to_string(a.method_version), std::to_string(b.method_version));

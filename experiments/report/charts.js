@@ -4,6 +4,9 @@ const kPalette = [
     "#3b6fb6", "#d1622b", "#3a8f4f", "#b23a48", "#7a5aa6", "#8a6b3d", "#c65f9e", "#5e6a75",
     "#9a9a1f", "#1f98a6"
 ];
+const kMarks = ["circle", "triangle", "rect", "rectRot"];  // where colors come again
+const markOfMethod = (method) =>
+    kMarks[Math.floor(report.methods.indexOf(method) / kPalette.length) % kMarks.length];
 const colorOfMethod = (method) => kPalette[report.methods.indexOf(method) % kPalette.length];
 
 // Of points {low, high} of the datasets: a line from one to the other.
@@ -44,6 +47,10 @@ const kEfforts = {
     passes: "samples per pixel"
 };
 
+// Of imported images often not all are known.
+const knownEfforts = () => Object.keys(kEfforts).filter(
+    (effort) => report.metrics.some(({cells}) => cells.some((cell) => cell[effort] > 0)));
+
 // Where a logarithmic axis is marked: at even steps within less than a decade, else at 1, 2 and 5
 // times powers of ten, over many decades at those powers alone.
 function logTicks(min, max) {
@@ -72,7 +79,8 @@ function tickText(value) {
 
 class Charts {
     constructor(tools, grid) {
-        this.state = {scene: 0, metric: 0, budget: 0, effort: "cpu_seconds"};
+        this.efforts = knownEfforts();
+        this.state = {scene: 0, metric: 0, budget: 0, effort: this.efforts[0] ?? "cpu_seconds"};
         this.charts = [];
         this.grid = grid;
         const choose = (label, names, key, values) => {
@@ -89,14 +97,28 @@ class Charts {
         choose("scene", report.scenes.map((s) => s.name), "scene");
         choose("metric", report.metrics.map((m) => m.metric), "metric");
         choose("budget", report.budgets, "budget");
-        choose("effort", Object.values(kEfforts), "effort", Object.keys(kEfforts));
+        choose("effort", this.efforts.map((key) => kEfforts[key]), "effort", this.efforts);
+        this.restore();
         this.draw();
+    }
+
+    restore() {
+        const {scene, metric, budget, effort} = kept.load("charts");
+        const isThere = scene < report.scenes.length && metric < report.metrics.length &&
+            budget < report.budgets.length && this.efforts.includes(effort);
+        if (isThere) this.state = {scene, metric, budget, effort};
+        const {selects, state} = this;
+        for (const [key, select] of Object.entries(selects)) {
+            select.selectedIndex =
+                key === "effort" ? this.efforts.indexOf(state.effort) : state[key];
+        }
     }
 
     set(change) {
         Object.assign(this.state, change);
         if (change.scene !== undefined && this.selects.scene)
             this.selects.scene.selectedIndex = change.scene;
+        kept.save("charts", this.state);
         this.draw();
     }
 
@@ -116,7 +138,12 @@ class Charts {
                 "" :
                 "; the line joins those that no other method beats in both";
             this.add(`${metric.metric} by method, ${budget}`, this.byMethod(cells));
-            this.add(`${metric.metric} over ${effort}, ${budget}${front}`, this.tradeoff(cells));
+            // At one effort of all it would say nothing more.
+            const spent = cells.filter((cell) => cell[this.state.effort] > 0);
+            if (new Set(spent.map((cell) => cell[this.state.effort])).size > 1) {
+                this.add(
+                    `${metric.metric} over ${effort}, ${budget}${front}`, this.tradeoff(spent));
+            }
         }
         if (curves.some((curve) => curve.points.length > 1)) {
             const title = `${metric.metric} over ${effort}, all budgets`;
@@ -192,6 +219,7 @@ class Charts {
             Object.assign(dataset, {
                 borderColor: color,
                 backgroundColor: color,
+                pointStyle: markOfMethod(dataset.label),
                 pointRadius: 4,
                 borderWidth: 1.5,
                 ...dataset

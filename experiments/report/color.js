@@ -34,8 +34,22 @@ const colorAt = (map, t) => [...map.slice(placeInMap(t), placeInMap(t) + 3)];
 
 // The constant of relmse.eps0.01.
 const kEpsilon = 0.01;
-// Decades that false colours span, at exposure 0.
-const kErrorDecades = [-4, 1];
+// Of a color map over errors: from so many decades below to above what is typical of a scene, so that
+// all methods and seeds of it have the same colors. Few pixels make most of a mean error.
+const kErrorDecades = [-3, 1];
+const kTypicalError = 0.03;  // where none is measured
+
+function typicalError(scene) {
+    const {name} = report.scenes[scene];
+    const metric = report.metrics.find(({metric}) => metric.startsWith("relmse.eps0.01"));
+    const means = metric === undefined ?
+        [] :
+        metric.cells.filter((cell) => cell.scene === name && cell.mean && cell.mean.value > 0)
+            .map((cell) => cell.mean.value)
+            .sort((a, b) => a - b);
+    if (means.length === 0) return kTypicalError;
+    return 10 ** Math.round(Math.log10(means[Math.floor(means.length / 2)]));
+}
 
 function differenceAt(image, reference, i) {
     let sum = 0;
@@ -79,7 +93,7 @@ const kModes = {
             kDiverging, (i) => 0.5 + 0.5 * 2 ** stops * differenceAt(image, reference, i)),
         bar: (stops) => {
             const limit = tickText(2 ** -stops);
-            return {map: kDiverging, low: `−${limit}`, high: `+${limit}`};
+            return {map: kDiverging, low: `−${limit}`, high: `+${limit}`, name: "difference"};
         },
     },
     error: {
@@ -95,11 +109,12 @@ const kModes = {
         },
         bar: (stops) => {
             const [low, high] = errorRange(stops).map(tickText);
-            return {map: kHeat, low, high};
+            return {map: kHeat, low, high, name: "relative squared error, logarithmic"};
         },
     },
 };
 
+// Stops are relative to a typical error of 1.
 const errorRange = (stops) => kErrorDecades.map((decade) => 10 ** decade / 2 ** stops);
 
 function mapPainter(map, place) {

@@ -53,10 +53,14 @@ class Doubter {
         for (const Cell& cell : plan_.cells) {
             const std::optional<Record> record = store_.run(task_id(cell.task));
             if (!record || record->valid) continue;
-            cases.push_back(fmt::format(
-                "{}, seed {}, run {}: {} non-finite and {} negative samples",
-                place_of(cell.scene, cell.method, cell.budget), cell.seed, record->run,
-                record->statistics.nonfinite_samples, record->statistics.negative_samples));
+            const RenderStatistics& run = record->statistics;
+            const bool is_empty = run.passes == 0 && run.nonfinite_samples == 0;
+            cases.push_back(
+                fmt::format("{}, seed {}, run {}: {}",
+                            place_of(cell.scene, cell.method, cell.budget), cell.seed, record->run,
+                            is_empty ? "no pass ended within its budget"
+                                     : fmt::format("{} non-finite and {} negative samples",
+                                                   run.nonfinite_samples, run.negative_samples)));
         }
         return cases;
     }
@@ -106,7 +110,8 @@ class Doubter {
         }
         std::vector<std::string> cases;
         for (const auto& [scene, passes] : of_reference) {
-            if (passes >= of_tests[scene]) continue;
+            const bool is_unknown = passes == 0;  // of imported images
+            if (is_unknown || passes >= of_tests[scene]) continue;
             cases.push_back(
                 fmt::format("{}: {} spp, and a run has {}", scene, passes, of_tests[scene]));
         }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/analysis/comparison.h"
+#include "experiments/plan/imported.h"
 #include "experiments/report/claims_formats.h"
 #include "experiments/report/doubts.h"
 #include "experiments/report/page.h"
@@ -34,6 +35,10 @@ std::string fill(std::string_view page, const std::map<std::string, std::string>
     return filled;
 }
 
+std::string counted(std::size_t n, const std::string& what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+}
+
 std::string list_to_html(const std::vector<std::string>& lines) {
     std::string html = "<ul>\n";
     for (const std::string& line : lines) html += "<li>" + escape_html(line) + "</li>\n";
@@ -59,6 +64,14 @@ std::string parameters_to_html(const ParameterMap& parameters) {
     return html;
 }
 
+nlohmann::ordered_json running_to_json(const std::optional<Running>& running) {
+    if (!running) return nullptr;
+    return {{"tasks", running->n_tasks},
+            {"done", running->n_done},
+            {"failed", running->n_failed},
+            {"reload_seconds", running->reload_seconds}};
+}
+
 class Reporter {
  public:
     Reporter(const Store& store, const Plan& plan)
@@ -73,9 +86,7 @@ class Reporter {
         nlohmann::ordered_json data = report_data(store_, plan_);
         data["images"] = std::move(images.images);
         data["blocks"] = std::move(images.blocks);
-        data["reload_seconds"] = contents.reload_seconds
-                                     ? nlohmann::ordered_json(*contents.reload_seconds)
-                                     : nlohmann::ordered_json();
+        data["running"] = running_to_json(contents.running);
         const std::size_t n_images = data["images"].size();
         // The pixels are by far the most of it: they are never copied.
         const std::string_view page = kPage;
@@ -114,9 +125,10 @@ class Reporter {
         for (const Budget& budget : plan_.budgets) {
             budgets += (budgets.empty() ? "" : ", ") + to_string(budget);
         }
-        return fmt::format("{} scenes, {} methods; {}; {} cells; {} images in {} precision",
-                           plan_.scenes.size(), plan_.methods.size(), budgets, plan_.cells.size(),
-                           n_images, to_string(contents.precision));
+        return fmt::format(
+            "{}, {}; {}; {}; {} in {} precision", counted(plan_.scenes.size(), "scene"),
+            counted(plan_.methods.size(), "method"), budgets, counted(plan_.cells.size(), "cell"),
+            counted(n_images, "image"), to_string(contents.precision));
     }
 
     std::string claims() const {
@@ -161,10 +173,13 @@ class Reporter {
                 const auto found = shared.find(parameter.first);
                 return found != shared.end() && found->second == parameter.second;
             });
-            html +=
-                fmt::format("<tr><th>{}</th><td>{} v{}</td><td>{}</td></tr>\n", escape_html(label),
-                            escape_html(method.at("method").get<std::string>()),
-                            method.at("version").get<int>(), parameters_to_html(own));
+            const std::string name = method.at("method");
+            html += fmt::format(
+                "<tr><th>{}</th><td>{}</td><td>{}</td></tr>\n", escape_html(label),
+                name.starts_with(imported_method(""))
+                    ? "imported images"
+                    : escape_html(fmt::format("{} v{}", name, method.at("version").get<int>())),
+                parameters_to_html(own));
         };
         for (const std::string& label : plan_.methods) {
             add_row(label, configuration.at("methods").at(label));
@@ -189,12 +204,17 @@ class Reporter {
             "<div class=\"scroll\"><table>\n<thead><tr><th>machine</th><th>threads</th>"
             "<th>build</th><th>compiler</th><th>flags</th><th>runs</th></tr></thead>\n<tbody>\n";
         for (const auto& [from, threads, n_runs] : origins_) {
+            if (from.cpu_model.empty()) {
+                html += fmt::format(
+                    "<tr><td>imported images</td><td></td><td colspan=\"3\">renderer: {}</td>"
+                    "<td>{}</td></tr>\n",
+                    escape_html(from.build_id), n_runs);
+                continue;
+            }
             html += fmt::format(
                 "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td><code>{}</code></td>"
                 "<td>{}</td></tr>\n",
-                from.cpu_model.empty()
-                    ? "imported"
-                    : escape_html(fmt::format("{} ({}, {})", from.cpu_model, from.isa, from.host)),
+                escape_html(fmt::format("{} ({}, {})", from.cpu_model, from.isa, from.host)),
                 threads, escape_html(from.build_id), escape_html(from.compiler),
                 escape_html(from.flags), n_runs);
         }

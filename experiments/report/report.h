@@ -10,11 +10,19 @@
 
 namespace misbench {
 
+// How far an experiment is that is still running.
+struct Running {
+    std::size_t n_tasks = 0;
+    std::size_t n_done = 0;
+    std::size_t n_failed = 0;
+    // The page loads itself again after so many seconds, in the state in which it is looked at.
+    double reload_seconds = 0;
+};
+
 struct ReportContents {
     SeedImages seeds = SeedImages::First;
     Precision precision = Precision::Half;
-    // The page loads itself again after so many seconds, in the state in which it is looked at.
-    std::optional<double> reload_seconds = {};
+    std::optional<Running> running = {};
 };
 
 struct Report {

@@ -19,9 +19,16 @@ window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () 
 viewer.restore();
 
 // While the experiment runs, the file is written anew. Nobody is interrupted while dragging.
-if (report.reload_seconds !== null) {
-    document.title = `… ${document.title}`;
+if (report.running !== null) {
+    const {tasks, done, failed, reload_seconds: seconds} = report.running;
+    document.title = `${Math.floor((100 * done) / tasks)} % ${document.title}`;
+    const count = `${done} of ${tasks} tasks done${failed > 0 ? `, ${failed} failed` : ""}`;
+    const time = new Date(document.lastModified).toLocaleTimeString();
+    document.body.classList.add("unfinished");
+    document.querySelector("header").append(element("p", {class: "running"},
+        element("progress", {max: tasks, value: done + failed}),
+        ` running: ${count} at ${time}; errors are of what is done; loads again every ${seconds} s`));
     setInterval(() => {
         if (!viewer.drag && !document.hidden) window.location.reload();
-    }, 1000 * report.reload_seconds);
+    }, 1000 * seconds);
 }

@@ -33,6 +33,8 @@ function tellCell(cell, comparison) {
 class ResultTable {
     constructor(details, comparison) {
         this.details = details;
+        this.name = `table of ${comparison.metric}`;
+        details.append(details.querySelector(".footer"));  // it does not scroll with the table
         this.table = details.querySelector("table");
         this.body = this.table.tBodies[0];
         this.headers = [...this.table.tHead.rows[0].cells];
@@ -60,6 +62,8 @@ class ResultTable {
                 if (event.key === "Enter") this.sortBy(column);
             });
         });
+        this.restore();
+        details.addEventListener("toggle", () => this.save());
     }
 
     // Up, down, and the third time in the experiment's order.
@@ -75,6 +79,21 @@ class ResultTable {
             rows.sort((a, b) => sign * this.compare(a.cells[column], b.cells[column]));
         }
         this.body.append(...rows);
+        this.save();
+    }
+
+    save() {
+        const column = this.headers.findIndex((header) => header.hasAttribute("aria-sort"));
+        const order = this.headers[column]?.getAttribute("aria-sort");
+        kept.save(this.name, {column, order, isOpen: this.details.open});
+    }
+
+    restore() {
+        const {column, order, isOpen} = kept.load(this.name);
+        if (isOpen !== undefined) this.details.open = isOpen;
+        const header = this.headers[column];
+        const isThere = () => header === undefined || header.getAttribute("aria-sort") === order;
+        for (let clicks = 0; clicks < 2 && !isThere(); ++clicks) this.sortBy(column);
     }
 
     // Cells without a number come last in ascending order.

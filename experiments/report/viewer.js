@@ -72,9 +72,13 @@ class Viewer {
         return this.views.get(scene);
     }
 
-    // Stops of exposure: the image's are relative to its scene's.
+    // Stops of exposure: the image's are relative to its scene's, those of errors to what is typical
+    // of it.
     stopsOf(mode) {
-        return this.state.stops + (mode === "error" ? 0 : report.scenes[this.state.scene].exposure);
+        const {scene, stops} = this.state;
+        const own =
+            mode === "error" ? -Math.log2(typicalError(scene)) : report.scenes[scene].exposure;
+        return stops + own;
     }
 
     set(change) {
@@ -101,7 +105,7 @@ class Viewer {
     async picture(method) {
         const {mode} = this.state;
         const image = this.imageOf(method);
-        if (image === undefined) return {missing: "no finished run"};
+        if (image === undefined) return {missing: "no image"};
         const reference = this.imageOf(kReference);
         if (kModes[mode].needsReference && reference === undefined)
             return {missing: "no reference"};

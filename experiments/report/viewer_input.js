@@ -5,33 +5,38 @@ const kMostButtons = 12;  // of scenes
 Object.assign(Viewer.prototype, {
     buildTools() {
         this.pickers = [];
-        const picker = (label, names, value, pick, hasKeys = false) => {
+        // `keys` are of the buttons, `key` goes from one to the next.
+        const picker = (label, names, value, pick, {keys = [], key} = {}) => {
             const buttons = names.map((name, i) => {
                 const button = element("button", {type: "button", click: () => pick(i)});
-                if (hasKeys && i < 10) button.append(element("kbd", {text: i}), " ");
+                if (i < keys.length) button.append(element("kbd", {text: keys[i]}), " ");
                 button.append(name);
                 return button;
             });
             this.pickers.push(
                 () => buttons.forEach((b, i) => b.classList.toggle("picked", i === value())));
-            return element("div", {class: "picker"}, element("span", {text: label}), ...buttons);
+            const row = element("div", {class: "picker"}, element("span", {text: label}), ...buttons);
+            if (key !== undefined && names.length > 1) row.append(element("kbd", {text: key}));
+            return row;
         };
         const modes = Object.keys(kModes);
         const {state} = this;
         this.root.append(this.scenePicker(picker, report.scenes.map((scene) => scene.name)),
-            picker(
-                "method", this.methods, () => state.method, (method) => this.set({method}), true));
+            picker("method", this.methods, () => state.method, (method) => this.set({method}),
+                {keys: [..."0123456789"], key: "← →"}));
         if (report.budgets.length > 1) {
             this.root.append(picker(
-                "budget", report.budgets, () => state.budget, (budget) => this.set({budget})));
+                "budget", report.budgets, () => state.budget, (budget) => this.set({budget}),
+                {key: "↑ ↓"}));
         }
         if (this.seeds.length > 1) {
             const names = this.seeds.map((s) => (s === kMean ? "mean of all" : String(s)));
             this.root.append(picker("seed", names, () => this.seeds.indexOf(state.seed),
-                (i) => this.set({seed: this.seeds[i]})));
+                (i) => this.set({seed: this.seeds[i]}), {key: "n"}));
         }
         const show = picker("show", modes.map((m) => kModes[m].name),
-            () => modes.indexOf(state.mode), (i) => this.set({mode: modes[i]}));
+            () => modes.indexOf(state.mode), (i) => this.set({mode: modes[i]}),
+            {keys: modes.map((m) => kModes[m].key)});
         this.exposure = element("input", {
             type: "range",
             min: -12,
@@ -46,7 +51,8 @@ Object.assign(Viewer.prototype, {
         this.gridButton = button("side by side", "g", () => this.set({isGrid: !state.isGrid}));
         this.bar = element("span", {class: "color-bar"});
         show.append(
-            element("label", {class: "exposure"}, "exposure ", this.exposure), this.exposureText);
+            element("label", {class: "exposure"}, "exposure ", element("kbd", {text: "e E"}), " ",
+                this.exposure), this.exposureText);
         const place = element("div", {class: "picker"}, element("span", {text: "view"}),
             this.gridButton, button("whole image", "z", () => this.showAll()),
             button("copy crop", "c", () => this.copyCrop()), this.magnification, this.bar);
@@ -59,7 +65,8 @@ Object.assign(Viewer.prototype, {
     // Many scenes would push the images out of sight.
     scenePicker(picker, names) {
         if (names.length <= kMostButtons) {
-            return picker("scene", names, () => this.state.scene, (scene) => this.set({scene}));
+            return picker("scene", names, () => this.state.scene, (scene) => this.set({scene}),
+                {key: "s"});
         }
         const select = element("select", {
             change: () => {
@@ -71,13 +78,14 @@ Object.assign(Viewer.prototype, {
         this.pickers.push(() => {
             select.selectedIndex = this.state.scene;
         });
-        return element("div", {class: "picker"}, element("span", {text: "scene"}), select);
+        return element("div", {class: "picker"}, element("span", {text: "scene"}), select,
+            element("kbd", {text: "s"}));
     },
 
     updateTools() {
         for (const update of this.pickers) update();
         const {stops, mode, method, isGrid} = this.state;
-        const all = this.stopsOf(mode);
+        const all = mode === "error" ? stops : this.stopsOf(mode);
         this.exposure.value = stops;
         this.exposureText.textContent = `${all < 0 ? "−" : "+"}${Math.abs(all)} stops`;
         this.gridButton.classList.toggle("picked", isGrid);
@@ -87,7 +95,7 @@ Object.assign(Viewer.prototype, {
         if (bar) this.bar.replaceChildren(...colorBar(bar));
         const image = this.imageOf(method);
         this.caption.textContent =
-            image ? image.caption : `${this.methods[method]}: no finished run`;
+            image ? image.caption : `${this.methods[method]}: no image`;
         if (image && report.blocks[image.block].precision === "half") {
             this.caption.textContent += " · half floats: values are rounded to 11 bits";
         }
@@ -237,6 +245,10 @@ Object.assign(Viewer.prototype, {
             z: () => this.showAll(),
             c: () => this.copyCrop(),
             Escape: forget,
+            "?": () => {
+                const keys = document.getElementById("keys");
+                keys.open = !keys.open;
+            },
         };
         for (const [mode, {key: its}] of Object.entries(kModes))
             actions[its] = () => this.set({mode});
@@ -244,11 +256,11 @@ Object.assign(Viewer.prototype, {
     },
 });
 
-function colorBar({map, low, high}) {
+function colorBar({map, low, high, name}) {
     const stops = [0, 0.25, 0.5, 0.75, 1].map((t) => `rgb(${colorAt(map, t).join(" ")})`);
     return [
         low,
         element("i", {style: `background: linear-gradient(to right, ${stops.join(", ")})`}),
-        high,
+        `${high}  ${name}`,
     ];
 }

@@ -13,9 +13,9 @@ void check_image_size(std::int64_t width, std::int64_t height) {
                              " are read");
 }
 
-Pixels decode_image(const std::string& bytes, const std::string& name) {
+Pixels decode_image(const std::string& bytes, const std::string& name, const std::string& layer) {
     try {
-        if (bytes.starts_with("\x76\x2f\x31\x01")) return decode_exr(bytes);
+        if (bytes.starts_with("\x76\x2f\x31\x01")) return decode_exr(bytes, layer);
         if (bytes.starts_with("PF") || bytes.starts_with("Pf")) return decode_pfm(bytes);
         return decode_with_stb(bytes);
     } catch (const std::exception& e) {

@@ -26,13 +26,15 @@ struct Pixels {
     }
 };
 
-// PNG, JPEG, TGA, BMP, HDR, PFM or EXR, told apart by the content: names lie. Throws
+// PNG, JPEG, TGA, BMP, HDR, PFM or EXR, told apart by the content: names lie. Of an EXR file the
+// channels of `layer`, LAYER.R and so on, or where that is empty those without a layer. Throws
 // InvalidArgument, "<name>: reason".
-Pixels decode_image(const std::string& bytes, const std::string& name);
+Pixels decode_image(const std::string& bytes, const std::string& name,
+                    const std::string& layer = "");
 
 // The formats one by one. They throw any std::exception, with the reason alone.
 // R, G, B or Y, with or without A; halves become floats. Nothing else is guessed at.
-Pixels decode_exr(const std::string& bytes);
+Pixels decode_exr(const std::string& bytes, const std::string& layer = "");
 Pixels decode_pfm(const std::string& bytes);
 // PNG, JPEG, TGA, BMP, HDR. EXPOSURE lines of HDR files are passed over, as other renderers do.
 Pixels decode_with_stb(const std::string& bytes);

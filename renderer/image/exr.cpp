@@ -7,6 +7,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfVersion.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <span>
@@ -81,9 +82,32 @@ class ByteStream final : public Imf::IStream {
     std::size_t at_ = 0;
 };
 
-// What the file has of what we read.
-Channels channels_of(const Imf::ChannelList& list) {
-    const auto has = [&list](const char* name) { return list.findChannel(name) != nullptr; };
+// In order, "" for what has none.
+std::vector<std::string> layers_of(const Imf::ChannelList& list) {
+    std::vector<std::string> layers;
+    for (auto c = list.begin(); c != list.end(); ++c) {
+        const std::string channel = c.name();
+        const std::size_t dot = channel.rfind('.');
+        const std::string layer = dot == std::string::npos ? "" : channel.substr(0, dot);
+        if (std::ranges::find(layers, layer) == layers.end()) layers.push_back(layer);
+    }
+    return layers;
+}
+
+[[noreturn]] void refuse_channels(const Imf::ChannelList& list, const std::string& layer) {
+    std::string found;
+    for (auto c = list.begin(); c != list.end(); ++c) found += std::string(" ") + c.name();
+    std::string what = layer.empty() ? "its channels are" + found + "; known: R G B, or Y, and A"
+                                     : "it has no layer '" + layer + "' of R G B or Y";
+    std::string layers;
+    for (const std::string& name : layers_of(list)) layers += name.empty() ? "" : " " + name;
+    throw std::runtime_error(what + (layers.empty() ? "" : "; its layers:" + layers));
+}
+
+// What the file has of what we read, with the prefix of a layer.
+Channels channels_of(const Imf::ChannelList& list, const std::string& layer,
+                     const std::string& prefix) {
+    const auto has = [&](const char* name) { return list.findChannel(prefix + name) != nullptr; };
     const bool alpha = has("A");
     Channels channels;
     if (has("R") && has("G") && has("B")) {
@@ -91,14 +115,12 @@ Channels channels_of(const Imf::ChannelList& list) {
     } else if (has("Y") && !has("RY") && !has("BY")) {
         channels = alpha ? Channels(kGreyAndAlpha) : Channels(kGrey);
     } else {
-        std::string found;
-        for (auto c = list.begin(); c != list.end(); ++c) found += std::string(" ") + c.name();
-        throw std::runtime_error("its channels are" + found + "; known: R G B, or Y, and A");
+        refuse_channels(list, layer);
     }
     for (const char* name : channels) {
-        const Imf::Channel& channel = list[name];
+        const Imf::Channel& channel = list[prefix + name];
         if (channel.xSampling != 1 || channel.ySampling != 1) {
-            throw std::runtime_error(std::string("its channel ") + name + " is subsampled");
+            throw std::runtime_error("its channel " + prefix + name + " is subsampled");
         }
     }
     return channels;
@@ -185,18 +207,19 @@ void write_exr_layers(const std::filesystem::path& path, std::span<const ImageLa
     write_file(path, layers, Imf::RLE_COMPRESSION, attributes);
 }
 
-Pixels decode_exr(const std::string& bytes) {
+Pixels decode_exr(const std::string& bytes, const std::string& layer) {
     ByteStream stream(bytes);
     Imf::InputFile file(stream, 0);
     const Window window = window_of(file, bytes.size());
-    const Channels channels = channels_of(file.header().channels());
+    const std::string prefix = layer.empty() ? "" : layer + ".";
+    const Channels channels = channels_of(file.header().channels(), layer, prefix);
     Pixels pixels{.width = window.width,
                   .height = window.height,
                   .n_channels = static_cast<int>(channels.size()),
                   .values = {}};
     std::vector<float> values(pixels.n_values());
     Imf::FrameBuffer buffer;
-    insert(values.data(), channels, "", window.box, buffer);
+    insert(values.data(), channels, prefix, window.box, buffer);
     file.setFrameBuffer(buffer);
     file.readPixels(window.box.min.y, window.box.max.y);
     pixels.values = std::move(values);

@@ -10,7 +10,8 @@ FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
 
 
 class Browser:
-    """One page. Use as a context; `complaints` are the console's errors and uncaught exceptions."""
+    """One page. Use as a context; `complaints` are the console's errors and uncaught exceptions,
+    `requests` the addresses of all that was asked for."""
 
     def __init__(self, program="chromium", width=1280, height=900, flags=()):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
@@ -31,11 +32,12 @@ class Browser:
         self.buffer = b""
         self.last_id = 0
         self.complaints = []
+        self.requests = []
         self.session = None
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self.session = self.call("Target.attachToTarget", targetId=target,
                                  flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log"):
+        for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(domain + ".enable")
         self.size(width, height)
 
@@ -66,6 +68,8 @@ class Browser:
             self.complaints.append(said["entry"]["text"])
         elif method == "Runtime.consoleAPICalled" and said["type"] in ("error", "warning"):
             self.complaints.append(json.dumps(said["args"]))
+        elif method == "Network.requestWillBeSent":
+            self.requests.append(said["request"]["url"])
 
     def call(self, method, **params):
         self.last_id += 1
@@ -84,9 +88,9 @@ class Browser:
     def wait_for(self, event):
         while True:
             message = self._receive()
+            self._note(message)
             if message.get("method") == event:
                 return message["params"]
-            self._note(message)
 
     def size(self, width, height):
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height,

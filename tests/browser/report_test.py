@@ -4,6 +4,8 @@ import glob
 import json
 import math
 import os
+import shutil
+import struct
 import subprocess
 import tempfile
 import time
@@ -24,7 +26,13 @@ seeds: 3
 budgets: [{samples: 2}, {samples: 8}]
 reference: {method: longest, samples: 32}
 metrics: [relmse.eps0.01, mse]
+claims:
+  - {claim: longer paths have less error, method: longest, against: direct, expect: less}
 """
+
+WIDTH, HEIGHT = 48, 36
+MISBENCH = "misbench"
+SKIPPED = 77  # for ctest
 
 checks = []
 
@@ -32,6 +40,18 @@ checks = []
 def check(fact, *said):
     checks.append(bool(fact))
     print("ok   " if fact else "FAIL ", *said)
+
+
+def bright(x, y, channel):
+    """A pixel of an image of another renderer: nine decades, as of a lamp in a dark room."""
+    return 10.0 ** (-3 + 9 * ((7 * x + 11 * y + 3 * channel) % 48) / 47)
+
+
+def write_bright_image(path):
+    rows = [struct.pack("<3f", *(bright(x, y, c) for c in range(3)))
+            for y in reversed(range(HEIGHT)) for x in range(WIDTH)]
+    with open(path, "wb") as file:
+        file.write(b"PF\n%d %d\n-1.0\n" % (WIDTH, HEIGHT) + b"".join(rows))
 
 
 def run_of(store, scene, method_depth, samples, seed):
@@ -64,6 +84,24 @@ def look_at_pixels(page, store, exact):
     mean = [sum(image(17, 23)[c] for image in images) / 3 for c in range(3)]
     check(all(math.isclose(a, b, rel_tol=2 ** -10) for a, b in zip(shown, mean)),
           "the mean image is the mean of the seeds")
+
+
+def look_at_bright_pixels(page, exact):
+    """Of an imported image: far beyond what a screen shows, and far below it."""
+    page.run("viewer.set({scene: 0, method: 4, budget: 1, seed: 1, mode: 'image', stops: 0})")
+    worst = 0
+    for x, y in [(0, 0), (1, 0), (5, 7), (47, 35), (20, 30), (31, 2)]:
+        shown = page.run(f"viewer.pixel(4, {x}, {y})")["image"]
+        for channel in range(3):
+            real, = struct.unpack("<f", struct.pack("<f", bright(x, y, channel)))
+            # Half floats reach down to 2^-29 of the largest value with all of their bits.
+            floor = 0 if exact else 1e6 * 2 ** -40
+            off = max(0, abs(shown[channel] - real) - floor)
+            worst = max(worst, off / real)
+    check(worst == 0 if exact else worst <= 2 ** -11,
+          f"values from 0.001 to a million are kept: off by {worst:.2e} of them at most")
+    said = page.run("viewer.caption.textContent")
+    check(("half floats" in said) != exact, "the caption says how values are rounded")
 
 
 X, Y = 24, 18  # the pixel whose color is looked at
@@ -128,7 +166,10 @@ def look_at_modes(page):
     pairs = list(zip(found["image"], found["reference"]))
     error = sum((a - b) ** 2 / (b * b + 0.01) for a, b in pairs) / 3
     check(math.isclose(found["error"], error, rel_tol=1e-9), "the error is that of its pixels")
-    heat = (math.log10(error) + 4) / 5  # from 1e-4 to 10
+    means = page.run("report.metrics[0].cells.filter((c) => c.scene === report.scenes[0].name)"
+                     ".map((c) => c.mean?.value).filter((v) => v > 0)")
+    middle = round(math.log10(sorted(means)[len(means) // 2]))
+    heat = (math.log10(error) - middle + 3) / 4  # three decades below, one above
     check(colors(page) == page.run(f"colorAt(kHeat, {heat})"), "and so is its false color")
     press(page, "d")
     difference = sum(a - b for a, b in pairs) / 3
@@ -144,8 +185,39 @@ def look_at_modes(page):
     before = colors(page)
     press(page, "e")
     check(sum(colors(page)) > sum(before), "e exposes longer")
+    exposed = [encoded(2 ** 0.5 * value) for value in found["image"]]
+    check(all(abs(a - b) <= 1 for a, b in zip(colors(page), exposed)), "by half a stop, in sRGB")
     press(page, "E")
     check(colors(page) == before, "E takes it back")
+    press(page, "r")
+    bar = page.run("viewer.bar.innerText.split(/\\s+/)")
+    shown = page.run("getComputedStyle(viewer.bar).visibility")
+    check(shown == "visible" and "error," in bar
+          and all(math.isclose(float(text), 10.0 ** (middle + side), rel_tol=1e-9)
+                  for text, side in zip(bar, (-3, 1))),
+          "the color bar tells what the colors mean:", *bar)
+    press(page, "i")
+    check(page.run("getComputedStyle(viewer.bar).visibility") == "hidden",
+          "an image has no color bar")
+
+
+def encoded(linear):
+    """The sRGB byte of a linear value (IEC 61966-2-1)."""
+    linear = min(1, max(0, linear))
+    code = 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
+    return round(255 * code)
+
+
+def look_at_seeds(page):
+    page.run("viewer.set({scene: 0, method: 1, budget: 0, seed: 'mean', mode: 'image'})")
+    mean, caption = picture(page), page.run("viewer.caption.textContent")
+    check("mean of 3 seeds" in caption, "the caption names the mean:", caption)
+    press(page, "n")
+    caption = page.run("viewer.caption.textContent")
+    check(page.run("viewer.state.seed") == 1 and picture(page) != mean and "seed 1" in caption,
+          "n shows a seed's own image:", caption)
+    press(page, "N")
+    check(picture(page) == mean, "N goes back to the mean")
 
 
 def look_at_places(page):
@@ -176,7 +248,19 @@ def look_at_places(page):
     press(page, "z")
     check(page.run("viewer.view.zoom") == 1, "z shows the whole image")
     press(page, "g")
-    check(page.run("viewer.panes.length") == 4, "g shows all methods beside the reference")
+    check(page.run("viewer.panes.length") == 5, "g shows all methods beside the reference")
+    box = page.run("""(() => {
+        const box = viewer.panes[1].canvas.getBoundingClientRect();
+        return [box.left + box.width / 2, box.top + box.height / 2];
+    })()""")
+    page.mouse("mouseWheel", *box, deltaX=0, deltaY=-240)
+    scales = page.run("viewer.panes.filter((p) => p.image).map((p) => p.scale(p.image,"
+                      " viewer.view))")
+    check(page.run("viewer.view.zoom") == 2 and len(scales) == 4 and len(set(scales)) == 1,
+          "all of them zoom together")
+    check("no image" in page.run("viewer.panes[4].root.innerText"),
+          "where there is no image it says so")
+    press(page, "z")
     press(page, "g")
     page.mouse("mouseMoved", x, y)
     said = page.run("viewer.readout.textContent")
@@ -185,15 +269,46 @@ def look_at_places(page):
 
 
 def look_at_crops(page):
-    crop = page.run("""(() => {
-        viewer.selection = {x: 10, y: 12, w: 8, h: 5};
-        return viewer.copyCrop().then(async ({blob, k}) => {
-            const bitmap = await createImageBitmap(blob);
-            return [k, bitmap.width, bitmap.height, viewer.readout.textContent];
-        });
+    """Shift and drag, then c: what is pasted is what was seen."""
+    page.run("viewer.set({scene: 0, method: 1, budget: 0, seed: 'mean', mode: 'image'})"
+             ".then(() => viewer.showAll())")
+    place = """((x, y) => {
+        const pane = viewer.panes[0], box = pane.canvas.getBoundingClientRect();
+        const scale = pane.scale(pane.image, viewer.view);
+        return [box.left + pane.width / 2 + (x - viewer.view.x) * scale,
+                box.top + pane.height / 2 + (y - viewer.view.y) * scale];
+    })"""
+    (left, top), (right, bottom) = (page.run(f"{place}({x}, {y})")
+                                    for x, y in ((10.5, 12.5), (17.5, 16.5)))
+    shift = 8
+    page.mouse("mousePressed", left, top, button="left", clickCount=1, modifiers=shift)
+    page.mouse("mouseMoved", right, bottom, button="left", buttons=1, modifiers=shift)
+    page.mouse("mouseReleased", right, bottom, button="left", modifiers=shift)
+    check(page.run("viewer.selection") == {"x": 10, "y": 12, "w": 8, "h": 5},
+          "shift and dragging select a crop")
+    page.call("Browser.grantPermissions",
+              permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
+    page.key("c")
+    for _ in range(50):
+        said = page.run("viewer.readout.textContent")
+        if said.startswith(("copied", "saved")):
+            break
+        time.sleep(0.1)
+    check(said.startswith("copied [10, 12, 8, 5]"), "c copies it:", said)
+    k, width, height, pasted = page.run("""(async () => {
+        const [item] = await navigator.clipboard.read();
+        const bitmap = await createImageBitmap(await item.getType("image/png"));
+        const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+        context.drawImage(bitmap, 0, 0);
+        const k = bitmap.width / 8;
+        const {data} = context.getImageData(3.5 * k, 2.5 * k, 1, 1);
+        return [k, bitmap.width, bitmap.height, [...data].slice(0, 3)];
     })()""")
-    k, width, height, said = crop
-    check((width, height) == (8 * k, 5 * k) and "[10, 12, 8, 5]" in said, "a crop is copied:", said)
+    shown = page.run("[...viewer.panes[0].bitmap.getContext('2d').getImageData(13, 14, 1, 1).data]")
+    check((width, height) == (8 * k, 5 * k) and k >= 1, "as large as it is shown")
+    check(pasted == shown[:3], "with the colors that are seen")
+    press(page, "Escape")
+    check(page.run("viewer.selection") is None, "esc forgets it")
 
 
 def look_at_tables(page):
@@ -221,6 +336,31 @@ def look_at_charts(page):
     check(page.run("charts.charts.length") == 3, "there are three charts")
     check(page.run("charts.charts[2].data.datasets[0].data.length") == 2,
           "a curve has a point for each budget")
+    # Of every method's color: a chart without its marks has grid, letters and legend all the same.
+    drawn = page.run("""charts.charts.map(({canvas, chartArea: {left, top, width, height}}) => {
+        const {data} = canvas.getContext("2d").getImageData(left, top, width, height);
+        const seen = new Set();
+        for (let i = 0; i < data.length; i += 4)
+            if (data[i + 3] > 200) seen.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2]);
+        return report.methods.slice(0, 3).filter(
+            (method) => seen.has(parseInt(colorOfMethod(method).slice(1), 16))).length;
+    })""")
+    check(drawn == [3, 3, 3], "each has the marks of all methods:", drawn)
+
+
+def look_at_words(page):
+    claims = page.run("document.querySelector('#claims table')?.innerText ?? ''")
+    check("longer paths have less error" in claims and "reproduced" in claims,
+          "claims stand with their findings")
+    last = page.run("[...document.querySelectorAll('main > section')].pop().id")
+    text = page.run("document.getElementById('provenance').innerText")
+    build = subprocess.run([MISBENCH, "--version"], check=True, capture_output=True,
+                           text=True).stdout.split()[1]
+    check(last == "provenance" and build in text and "Renderer 1.0" in text,
+          "at the end stands what it was made with")
+    page.key("?")
+    keys = page.run("document.querySelector('#images').innerText")
+    check("shift" in keys and "esc" in keys, "? tells the keys")
 
 
 def look(page, html, store, exact):
@@ -228,12 +368,15 @@ def look(page, html, store, exact):
     page.run("viewer.shown")
     check(page.run("viewer.panes[0].bitmap !== null"), "an image is shown")
     look_at_pixels(page, store, exact)
+    look_at_bright_pixels(page, exact)
     look_at_keys(page)
     look_at_modes(page)
+    look_at_seeds(page)
     look_at_places(page)
     look_at_crops(page)
     look_at_tables(page)
     look_at_charts(page)
+    look_at_words(page)
     page.run("viewer.set({scene: 1, method: 3, mode: 'error', stops: -1})")
     page.open(html)
     page.run("viewer.shown")
@@ -241,6 +384,9 @@ def look(page, html, store, exact):
     check([state[k] for k in ("scene", "method", "mode", "stops")] == [1, 3, "error", -1],
           "a reload keeps what is looked at")
     check(page.complaints == [], "the console has no complaints", *page.complaints)
+    outside = [url for url in page.requests if not url.startswith(("file:", "data:", "blob:"))]
+    files = {url for url in page.requests if url.startswith("file:")}
+    check(outside == [] and len(files) == 1, "nothing is asked for but the page", *outside)
 
 
 def main():
@@ -248,6 +394,11 @@ def main():
     arguments.add_argument("--misbench", required=True)
     arguments.add_argument("--chromium", default="chromium")
     options = arguments.parse_args()
+    if shutil.which(options.chromium) is None:
+        print(f"skipped: there is no '{options.chromium}'; apt-get install chromium, or --chromium")
+        raise SystemExit(SKIPPED)
+    global MISBENCH
+    MISBENCH = options.misbench
     with tempfile.TemporaryDirectory() as folder:
         experiment, store = os.path.join(folder, "looked-at.yaml"), os.path.join(folder, "store")
         with open(experiment, "w", encoding="utf-8") as file:
@@ -257,6 +408,10 @@ def main():
             subprocess.run([options.misbench, *words], check=True, stdout=subprocess.DEVNULL)
 
         misbench("run", experiment, "--store", store)
+        write_bright_image(os.path.join(folder, "bright.pfm"))
+        misbench("import", store, "--experiment", "looked-at", "--scene", "CornellBox", "--method",
+                 "bright", "--samples", "8", "--renderer", "Renderer 1.0",
+                 os.path.join(folder, "bright.pfm"))
         for words in ([], ["--full-precision"]):
             html = os.path.join(folder, "report.html")
             misbench("report", store, "-o", html, *words)

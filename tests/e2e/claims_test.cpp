@@ -121,6 +121,35 @@ TEST_F(ClaimsCliTest, RunPrintsClaimsWhichTheStoreKeeps) {
     expect_error(misbench({"claims", file("nowhere")}), "nowhere");
 }
 
+TEST_F(ClaimsCliTest, AClaimMayBeAboutImagesThatAreImportedLater) {
+    std::string own = slurp(file("first.yaml"));
+    own.erase(own.find("  - {claim: it takes"));
+    own.replace(own.find("method: mis, expect: less"), 25,
+                "method: imported:theirs, against: mis, expect: more");
+    std::ofstream(file("own.yaml")) << own;
+    const Outcome before = run({file("own.yaml")});
+    ASSERT_EQ(before.exit_code, 0) << before.err;
+    EXPECT_THAT(before.out, HasSubstr("CornellBox, theirs: no images are imported"));
+    for (const std::string seed : {"1", "2", "3", "4"}) {
+        ASSERT_EQ(misbench({"render", "CornellBox", "--method", "path", "--set", "nee=false",
+                            "--spp", "2", "--size", "16x12", "--seed", seed, "-o",
+                            file("theirs-" + seed + ".exr")})
+                      .exit_code,
+                  0);
+    }
+    const Outcome imported =
+        misbench({"import", file("store"), "--experiment", "first", "--scene", "CornellBox",
+                  "--pattern", "{method}-{seed}.exr", file("."), "--samples", "2"});
+    ASSERT_EQ(imported.exit_code, 0) << imported.err;
+    EXPECT_THAT(misbench({"claims", file("store")}).out,
+                AllOf(HasSubstr("claims of first: 1 reproduced"), HasSubstr("theirs/mis")));
+    expect_error(misbench({"import", file("store"), "--experiment", "first", "--remove", "theirs"}),
+                 "the claim 'next event estimation helps' is about 'theirs'");
+    own.replace(own.find("imported:theirs"), 15, "imported:bsdf");
+    std::ofstream(file("own.yaml")) << own;
+    expect_error(run({file("own.yaml")}), "'bsdf' is a method of this file");
+}
+
 TEST_F(ClaimsCliTest, SeveralFilesRunIntoOneStoreAndThoseOfTheLabArePassedOver) {
     const Outcome both = run({file("second.yaml"), file("lab.yaml"), file("first.yaml"),
                               "--profile", "large", "--set", "seeds=3"});

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -137,6 +138,19 @@ TEST_F(CompareTest, ReadsTheFilesOfOtherProgramsAndSaysWhatItTakesForGranted) {
     const std::string notes = json["notes"].dump();
     EXPECT_THAT(notes, HasSubstr("eight-bit.png: taken as sRGB"));
     EXPECT_THAT(notes, Not(HasSubstr("grey.pfm")));
+}
+
+TEST_F(CompareTest, TakesALayerOfFilesThatHaveSome) {
+    const Image beauty = filled(1.5F);
+    const Image albedo = filled(0.25F);
+    write_exr_layers(file("layers.exr"),
+                     std::array{ImageLayer{"albedo", &albedo}, ImageLayer{"beauty", &beauty}});
+    const std::string r = file("layers.exr");
+    const auto json = compared({r, "--reference", r, "--layer", "beauty", "--metric", "mean"});
+    EXPECT_EQ(json["images"][0]["metrics"]["mean"], 1.5);
+    expect_error(compare({r, "--reference", r}), "its layers: albedo beauty");
+    expect_error(compare({r, "--reference", r, "--layer", "Beauty"}),
+                 "it has no layer 'Beauty' of R G B or Y; its layers: albedo beauty");
 }
 
 TEST_F(CompareTest, RefusesInOneLineWhatCannotBeCompared) {

@@ -105,6 +105,27 @@ void expect_one_error(const Outcome& outcome, int exit_code, const std::string& 
     EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
 }
 
+TEST_F(RunTest, AReportThatIsWatchedShowsErrorsWhileTheExperimentRuns) {
+    const std::string store = file("store");
+    Process running(command(store), folder_);
+    ASSERT_TRUE(has_runs(store, 1));
+    Process watching(
+        {MISBENCH_PROGRAM, "report", store, "-o", file("r.html"), "--watch", "--interval", "0.1"},
+        folder_);
+    bool has_errors = false;
+    const bool is_finished = wait_until([&] {
+        const std::string html = slurp(file("r.html"));
+        const bool is_running = html.find(R"("running":{"tasks":12,"done":)") != std::string::npos;
+        has_errors |= is_running && html.find(R"("mean":{"value":)") != std::string::npos;
+        return html.find(R"("running":null)") != std::string::npos;
+    });
+    EXPECT_TRUE(is_finished);
+    EXPECT_TRUE(has_errors);
+    EXPECT_EQ(watching.wait().exit_code, 0);
+    EXPECT_EQ(running.wait().exit_code, 0);
+    expect_complete(store);
+}
+
 TEST_F(RunTest, CtrlCKeepsWhatIsDoneAndASecondCallDoesTheRest) {
     const std::string store = file("store");
     Process first(command(store), folder_);

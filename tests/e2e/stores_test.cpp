@@ -141,6 +141,49 @@ TEST_F(StoresTest, ImportedMethodsStandBesideRenderedOnesAndStayThere) {
         2, "--replace");
 }
 
+TEST_F(StoresTest, WhatIsRemovedIsAllThatIsMissing) {
+    copy_store("with");
+    const std::string before = table("with");
+    fs::create_directories(file("more"));
+    result_of({"render", "CornellBox", "--method", "bdpt", "--spp", "2", "--size", "16x12", "-o",
+               file("more/theirs-1.exr")});
+    const std::vector<std::string> import{
+        "import",    file("with"),          "--experiment", "tiny",      "--scene", "CornellBox",
+        "--pattern", "{method}-{seed}.exr", file("more"),   "--samples", "2"};
+    EXPECT_THAT(result_of(import), StartsWith("1 imported"));
+    EXPECT_NE(table("with"), before);
+    EXPECT_EQ(
+        result_of({"import", file("with"), "--experiment", "tiny", "--remove", "theirs"}),
+        "1 image of 'theirs' removed from experiment 'tiny' of store '" + file("with") + "'\n");
+    EXPECT_EQ(table("with"), before);
+    EXPECT_EQ(misbench({"diff", file("store"), file("with")}).exit_code, 0);
+    EXPECT_THAT(result_of(import), StartsWith("0 imported, 1 there before"));
+    expect_error(misbench({"import", file("with"), "--experiment", "tiny", "--remove", "mis"}), 2,
+                 "one that misbench renders");
+    expect_error(misbench({"import", file("with"), "--experiment", "tiny", "--remove", "theirs",
+                           file("more/theirs-1.exr")}),
+                 2, "--remove");
+}
+
+TEST_F(StoresTest, DiffNamesTheSceneFileThatHasChanged) {
+    fs::create_directories(file("scenes"));
+    fs::copy(fs::path(MISBENCH_SCENES) / "CornellBox", file("scenes/CornellBox"),
+             fs::copy_options::recursive);
+    const auto run_own = [](const std::string& store) {
+        return run(store, {"--scenes", file("scenes"), "--set", "seeds=[1, 2]"});
+    };
+    ASSERT_EQ(run_own("unchanged").exit_code, 0);
+    fs::path scene;
+    for (const auto& entry : fs::recursive_directory_iterator(file("scenes"))) {
+        if (entry.path().extension() == ".json") scene = entry.path();
+    }
+    std::ofstream(scene, std::ios::app) << " ";
+    ASSERT_EQ(run_own("changed").exit_code, 0);
+    const Outcome diff = misbench({"diff", file("unchanged"), file("changed")});
+    EXPECT_EQ(diff.exit_code, 1) << diff.err;
+    EXPECT_THAT(diff.out, HasSubstr("scene content of " + scene.string() + " ("));
+}
+
 TEST_F(StoresTest, DiffTellsByItsExitCode) {
     copy_store("same");
     const Outcome same = misbench({"diff", file("store"), file("same")});

@@ -1,6 +1,7 @@
 // Images of other renderers in a store: of equal standing, kept, and refused where they do not fit.
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -167,6 +168,68 @@ TEST_F(Import, IsLeftOutWhereTheSceneIsAnotherOneNow) {
     for (Cell& cell : same_label.cells) cell.method = cell.method == "plain" ? "mine" : cell.method;
     EXPECT_THAT(message_of(Errc::InvalidArgument, [&] { keep_imported(same_label, with); }),
                 HasSubstr("'mine' is one that misbench renders"));
+}
+
+TEST_F(Import, IsRemovedWithWhatNothingIsLeftOfAndNothingElse) {
+    make_rendered_store();
+    ImageToImport other = mine(1, 5);
+    other.method = "theirs";
+    other.budget = SampleBudget{64};
+    import({mine(1), mine(2), other});
+    const Plan with = open().experiment("first");
+    EXPECT_EQ(remove_images(folder(), "first", "mine", ""), 2);
+    {
+        const Store store = open(Store::Access::ReadOnly);
+        const Plan plan = store.experiment("first");
+        EXPECT_THAT(plan.methods, ElementsAre("plain", "clever", "theirs"));
+        EXPECT_EQ(plan.budgets, with.budgets);
+        EXPECT_THAT(plan.cells, SizeIs(plan_.cells.size() + 1));
+        EXPECT_THAT(plan.configuration, testing::Not(HasSubstr("mine")));
+        EXPECT_THAT(store.measurements(plan), SizeIs(2 * (2 * 3 + 1)));
+    }
+    EXPECT_EQ(remove_images(folder(), "first", "theirs", "Box"), 1);
+    EXPECT_EQ(open().experiment("first").budgets, plan_.budgets);
+    EXPECT_EQ(open().experiment("first").cells, plan_.cells);
+    // The runs stay: what is imported again is there.
+    EXPECT_EQ(import({mine(1), mine(2), other}).n_known, 3);
+}
+
+TEST_F(Import, IsNotRemovedByAnotherName) {
+    make_rendered_store();
+    import({mine(1)});
+    const auto before = files_of(folder());
+    const auto refused = [&](const std::string& label, const std::string& scene) {
+        return message_of(Errc::InvalidArgument,
+                          [&] { remove_images(folder(), "first", label, scene); });
+    };
+    EXPECT_THAT(refused("plain", ""), HasSubstr("'plain' is one that misbench renders"));
+    EXPECT_THAT(refused("min", ""), HasSubstr("unknown imported method 'min'"));
+    EXPECT_THAT(refused("mine", "Bax"), HasSubstr("unknown scene 'Bax'"));
+    EXPECT_EQ(files_of(folder()), before);
+    EXPECT_THAT(message_of(Errc::NotFound,
+                           [&] { remove_images(files_.path() / "none", "first", "mine", ""); }),
+                HasSubstr("no results.sqlite"));
+    EXPECT_FALSE(std::filesystem::exists(files_.path() / "none"));
+}
+
+TEST_F(Import, TakesALayerOfAFileThatHasSome) {
+    Image beauty(8, 4);
+    std::ranges::fill(beauty.rgb, 3.0F);
+    const Image albedo(8, 4);
+    const auto file = files_.path() / "layers.exr";
+    write_exr_layers(
+        file, std::array{ImageLayer{"albedo", &albedo}, ImageLayer{"View.Combined", &beauty}});
+    ImageToImport image = mine(1);
+    image.file = file;
+    const auto import_layer = [&](const std::string& layer) {
+        return import_images(folder(), {.experiment = "first", .images = {image}, .layer = layer});
+    };
+    EXPECT_THAT(message_of(Errc::InvalidArgument, [&] { import_layer(""); }),
+                HasSubstr("known: R G B, or Y, and A; its layers: View.Combined albedo"));
+    EXPECT_THAT(message_of(Errc::InvalidArgument, [&] { import_layer("Combined"); }),
+                HasSubstr("no layer 'Combined' of R G B or Y; its layers: View.Combined albedo"));
+    const Plan plan = import_layer("View.Combined").plan;
+    EXPECT_EQ(open().run_image(task_id(plan.cells[0].task)), beauty);
 }
 
 TEST_F(Import, BeforeTheFirstRunOfTheFileIsKeptToo) {

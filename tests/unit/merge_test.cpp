@@ -242,11 +242,12 @@ TEST(TaskDifferences, NameEveryFieldOfTheIdentityAndNoOther) {
     other.scene_hash = "x";
     other.width = 5;
     other.method_version = 4;
-    EXPECT_EQ(to_string(task_differences(task, other)),
-              "scene content " + task.scene_hash +
-                  ", not x; image size 8x4, not 5x4; method plain, not clever; "
-                  "method version 1, not 4; parameter max_depth 3, not 3.0; "
-                  "parameter mis none, not power2; budget 16 spp, not 8 spp; seed 1, not 2");
+    EXPECT_EQ(
+        to_string(task_differences(task, other)),
+        "scene content of scenes/Box.json (" + task.scene_hash.substr(0, 12) +
+            "), not of scenes/Box.json (x); image size 8x4, not 5x4; method plain, not clever; "
+            "method version 1, not 4; parameter max_depth 3, not 3.0; "
+            "parameter mis none, not power2; budget 16 spp, not 8 spp; seed 1, not 2");
 }
 
 }  // namespace

@@ -222,10 +222,14 @@ TEST_F(ReportTest, NothingFromTheStoreEndsAScriptOrStartsAnElement) {
 TEST_F(ReportTest, IsMadeOfARunThatHasHardlyBegun) {
     EXPECT_EQ(make_report(store_, plan_).n_images, 0U);
     commit_made_up_run(store_, plan_.cells[2].task);
-    const Report report = make_report(store_, plan_, {.reload_seconds = 2});
+    const Report report = make_report(
+        store_, plan_,
+        {.running = Running{.n_tasks = 8, .n_done = 1, .n_failed = 0, .reload_seconds = 2}});
     EXPECT_EQ(report.n_images, 2U);  // the mean of one seed is that seed's image
     EXPECT_EQ(data_of(report).at("blocks").size(), 1U);
-    EXPECT_EQ(data_of(report).at("reload_seconds"), 2);
+    EXPECT_EQ(data_of(report).at("running"),
+              (nlohmann::json{{"tasks", 8}, {"done", 1}, {"failed", 0}, {"reload_seconds", 2}}));
+    EXPECT_EQ(data_of(make_report(store_, plan_)).at("running"), nullptr);
 }
 
 TEST_F(ReportTest, ShowsAnInvalidRunOnlyAsItself) {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "renderer/base/error.h"
@@ -16,6 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
 
 using StoreDatabaseTest = StoreTest;
 
@@ -111,6 +114,47 @@ TEST_F(StoreDatabaseTest, MeasuresOnceWhatIsThere) {
     more.metrics.push_back("mean");
     EXPECT_EQ(store.measure(more), 6);
     EXPECT_EQ(store.measurements(plan_).size(), 12U);
+}
+
+TEST_F(StoreDatabaseTest, MeasuresInMemoryWhatAnotherProcessIsWriting) {
+    Store writer = open();
+    writer.put_experiment(plan_);
+    for (std::size_t i = 0; i < 4; ++i) commit_made_up_run(writer, plan_.cells[i].task);
+    Store reader = open(Store::Access::ReadOnly);
+    EXPECT_EQ(reader.measure_in_memory(plan_), 2 * 2);
+    EXPECT_THAT(writer.measurements(plan_), IsEmpty());
+    EXPECT_THAT(reader.measurements(plan_), SizeIs(4));
+    commit_all(writer, plan_);
+    EXPECT_EQ(reader.measure_in_memory(plan_), 2 * 4);
+    const auto values = [this](const Store& store) {
+        std::vector<std::map<std::string, std::vector<double>>> all;
+        for (const CellSeeds& cell : store.cell_seeds(plan_.experiment, plan_.metrics)) {
+            all.push_back(cell.values);
+        }
+        return all;
+    };
+    const auto in_memory = values(reader);
+
+    EXPECT_EQ(writer.measure(plan_), 2 * 6);
+    EXPECT_EQ(values(writer), in_memory);
+    EXPECT_EQ(values(reader), in_memory);
+    EXPECT_EQ(reader.measure_in_memory(plan_), 0);
+    Store late = open(Store::Access::ReadOnly);
+    EXPECT_EQ(late.measure_in_memory(plan_), 0) << "what the file has is not measured again";
+}
+
+TEST_F(StoreDatabaseTest, ARolledUpExperimentIsMeasuredInMemoryToo) {
+    Store writer = open();
+    writer.put_experiment(plan_);
+    commit_all(writer, plan_);
+    Plan other = made_up_plan("other", 1);
+    writer.put_experiment(other);
+    writer.measure(other);  // rolls up both, and "first" has more seeds
+    Store reader = open(Store::Access::ReadOnly);
+    reader.measure_in_memory(plan_);
+    for (const CellSeeds& cell : reader.cell_seeds(plan_.experiment, plan_.metrics)) {
+        for (const double value : cell.values.at("mse")) EXPECT_TRUE(std::isfinite(value));
+    }
 }
 
 TEST_F(StoreDatabaseTest, MeasuresNothingWithoutBothHalvesOfTheReference) {
