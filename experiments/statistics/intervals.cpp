@@ -58,8 +58,8 @@ std::string to_string(NoInterval reason) {
         case NoInterval::NoSpread:
             return "all seeds give the same value, or the same ratio";
         case NoInterval::HeavyTail:
-            return "rare seeds carry a mean, and fewer than two of them were met: more seeds are "
-                   "needed";
+            return "rare seeds carry a mean, and fewer than two of them were met: more seeds would "
+                   "tell";
         case NoInterval::TooFewToResample:
             return "fewer than " + std::to_string(kFewestToResample) +
                    " values or scenes to draw from";
