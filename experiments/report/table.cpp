@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
 
 #include "experiments/analysis/seed_rounds.h"
 #include "experiments/report/numbers.h"
@@ -29,12 +28,15 @@ struct Footnotes {
     bool paired = false;  // a ratio is one of pairs
     bool unpaired = false;
     bool means_of_scenes = false;
-    std::map<NoInterval, char> reasons;  // to the letter that stands for each
+    std::vector<NoInterval> reasons;  // the letters a, b, … stand for
 
     std::string mark(NoInterval reason) {
-        const auto letter = static_cast<char>('a' + static_cast<int>(reasons.size()));
-        return std::string(" ") + reasons.try_emplace(reason, letter).first->second;
+        const auto found = std::ranges::find(reasons, reason);
+        const auto i = found - reasons.begin();
+        if (found == reasons.end()) reasons.push_back(reason);
+        return std::string(" ") + letter(static_cast<std::size_t>(i));
     }
+    static char letter(std::size_t i) { return static_cast<char>('a' + static_cast<int>(i)); }
 };
 
 Verdict verdict_of(const Comparison& comparison, const ComparedCell& cell) {
@@ -187,8 +189,8 @@ std::vector<std::string> footer_of(std::span<const Comparison> comparisons, cons
     if (notes.few_passes) add(few_passes_footnote());
     if (notes.heavy_tail) add(heavy_tail_footnote());
     if (notes.noisy_reference) add(noisy_reference_footnote());
-    for (const auto& [reason, letter] : notes.reasons) {
-        add(fmt::format("{} no interval: {}", letter, to_string(reason)));
+    for (std::size_t i = 0; i < notes.reasons.size(); ++i) {
+        add(fmt::format("{} no interval: {}", Footnotes::letter(i), to_string(notes.reasons[i])));
     }
     return footer;
 }

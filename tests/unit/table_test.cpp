@@ -246,6 +246,7 @@ TEST(Table, WhereRareSeedsCarryTheErrorAWarningStandsForTheInterval) {
     comparison.cells[1].ratio = without_interval(0.5, NoInterval::HeavyTail);
     comparison.cells[1].p = comparison.cells[1].adjusted_p = std::nullopt;
     comparison.cells[3].ratio = without_interval(1.07, NoInterval::HeavyTail);
+    comparison.cells[3].mean = without_interval(1.6, NoInterval::TooFewValues);
     const Table table = table_of(comparison);
     EXPECT_EQ(table.rows[0].cells[1].mean, "0.00610 a");
     EXPECT_EQ(table.rows[0].cells[1].ratio, "×0.500 a");
@@ -257,6 +258,7 @@ TEST(Table, WhereRareSeedsCarryTheErrorAWarningStandsForTheInterval) {
                                 Not(HasSubstr("‡")), Not(HasSubstr("ddag"))));
     }
     EXPECT_THAT(to_html(table), HasSubstr("<li>a no interval: rare seeds carry a mean"));
+    EXPECT_LT(to_text(table).find("\na no interval"), to_text(table).find("\nb no interval: few"));
     const auto json = nlohmann::json::parse(to_json({&comparison, 1}));
     const auto& cell = json.at("cells").at(1);
     EXPECT_EQ(cell.at("tail_verdict"), "dishonest");
