@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,10 +28,15 @@ struct CellSeeds {
     std::vector<double> wall_seconds;
     std::vector<double> cpu_seconds;
     std::vector<double> rays;
+    // Of the reference's variance in the error (reference_noise.h); NaN where it is not measured.
+    std::vector<double> reference_shares;
     std::map<std::string, std::vector<double>> values;  // by metric; NaN where there is none
 
     SeedState state(std::size_t i) const { return static_cast<SeedState>(states[i]); }
 };
+
+// Of the seeds that have one.
+std::optional<double> mean_reference_share(const CellSeeds& cell);
 
 // The runs of one machine and one build.
 struct Origin {

@@ -214,17 +214,4 @@ std::vector<SnapshotMeasurement> select_snapshot_measurements(const Database& da
     return measurements;
 }
 
-std::map<std::string, double> select_reference_shares(const Database& database, const Plan& plan) {
-    std::map<std::string, double> shares;
-    Statement select = database.prepare(
-        "SELECT share FROM reference_noise WHERE run = ?1 AND reference_a = ?2 AND reference_b = "
-        "?3");
-    for (const auto& [pair, runs] : tested_runs(plan)) {
-        for (const std::string& run : runs) {
-            if (select.bind(run, pair.first, pair.second).step()) shares[run] = select.real(0);
-        }
-    }
-    return shares;
-}
-
 }  // namespace misbench

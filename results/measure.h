@@ -27,6 +27,5 @@ std::vector<Measurement> select_measurements(const Database& database, const Pla
 std::vector<SnapshotMeasurement> select_snapshot_measurements(const Database& database,
                                                               const Plan& plan,
                                                               const std::string& metric);
-std::map<std::string, double> select_reference_shares(const Database& database, const Plan& plan);
 
 }  // namespace misbench

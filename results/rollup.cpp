@@ -10,12 +10,18 @@
 #include <utility>
 
 #include "renderer/base/check.h"
+#include "renderer/base/error.h"
+#include "renderer/base/files.h"
+#include "renderer/base/log.h"
 #include "results/measure.h"
+#include "results/schema.h"
 
 namespace misbench {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "rollups hold numbers as they are here");
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 template <class T>
 std::span<const std::byte> bytes_of(const std::vector<T>& numbers) {
@@ -79,6 +85,7 @@ Places read_runs(const Database& database, const std::string& experiment,
         cell.wall_seconds.push_back(select.real(9));
         cell.cpu_seconds.push_back(select.real(10));
         cell.rays.push_back(select.real(11));
+        cell.reference_shares.push_back(kNone);
     }
     return places;
 }
@@ -95,8 +102,22 @@ void read_values(const Database& database, const std::string& experiment, const 
         const Place place = places.at(select.integer(0));
         CellSeeds& cell = cells[place.cell];
         std::vector<double>& values = cell.values[select.text(1)];
-        values.resize(cell.seeds.size(), std::numeric_limits<double>::quiet_NaN());
+        values.resize(cell.seeds.size(), kNone);
         values[place.seed] = select.real(2);
+    }
+}
+
+void read_reference_shares(const Database& database, const std::string& experiment,
+                           const Places& places, std::vector<CellSeeds>& cells) {
+    Statement select = database.prepare(R"sql(
+        SELECT c.position, n.share
+        FROM cells c JOIN reference_noise n ON n.run = c.task AND n.reference_a = c.reference_a
+                                           AND n.reference_b = c.reference_b
+        WHERE c.experiment = ?1 AND c.role = 'test')sql");
+    select.bind(experiment);
+    while (select.step()) {
+        const Place place = places.at(select.integer(0));
+        cells[place.cell].reference_shares[place.seed] = select.real(1);
     }
 }
 
@@ -128,14 +149,15 @@ std::vector<Origin> recompute_origins(const Database& database, const std::strin
 void write_rollup(const Database& database, const std::string& experiment) {
     const std::vector<CellSeeds> cells = recompute_cells(database, experiment);
     Statement insert_cell = database.prepare(
-        "INSERT INTO rollup_cells VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)");
+        "INSERT INTO rollup_cells VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, "
+        "?13)");
     Statement insert_values = database.prepare("INSERT INTO rollup_values VALUES (?1, ?2, ?3, ?4)");
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const CellSeeds& cell = cells[i];
         insert_cell
             .bind(experiment, i, cell.scene, cell.method, cell.budget, cell.parameters, cell.states,
                   bytes_of(cell.seeds), bytes_of(cell.passes), bytes_of(cell.wall_seconds),
-                  bytes_of(cell.cpu_seconds), bytes_of(cell.rays))
+                  bytes_of(cell.cpu_seconds), bytes_of(cell.rays), bytes_of(cell.reference_shares))
             .run();
         for (const auto& [metric, values] : cell.values) {
             insert_values.bind(experiment, metric, i, bytes_of(values)).run();
@@ -158,7 +180,7 @@ std::vector<CellSeeds> read_rollup(const Database& database, const std::string& 
     std::vector<CellSeeds> cells;
     Statement select = database.prepare(R"sql(
         SELECT scene, method, budget, parameters, states, seeds, passes, wall_seconds, cpu_seconds,
-               rays FROM rollup_cells WHERE experiment = ?1 ORDER BY position)sql");
+               rays, reference_shares FROM rollup_cells WHERE experiment = ?1 ORDER BY position)sql");
     select.bind(experiment);
     while (select.step()) {
         cells.push_back({.scene = select.text(0),
@@ -171,6 +193,7 @@ std::vector<CellSeeds> read_rollup(const Database& database, const std::string& 
                          .wall_seconds = numbers_of<double>(select.blob(7)),
                          .cpu_seconds = numbers_of<double>(select.blob(8)),
                          .rays = numbers_of<double>(select.blob(9)),
+                         .reference_shares = numbers_of<double>(select.blob(10)),
                          .values = {}});
     }
     Statement values = database.prepare(
@@ -191,6 +214,7 @@ std::vector<CellSeeds> recompute_cells(const Database& database, const std::stri
     std::vector<CellSeeds> cells;
     const Places places = read_runs(database, experiment, cells);
     read_values(database, experiment, places, cells);
+    read_reference_shares(database, experiment, places, cells);
     return cells;
 }
 
@@ -202,6 +226,23 @@ void roll_up(const Database& database) {
         Transaction transaction(database);
         write_rollup(database, name);
         transaction.commit();
+    }
+}
+
+void roll_up_if_left_without(const std::filesystem::path& store) {
+    const auto path = store / "results.sqlite";
+    if (!std::filesystem::exists(path)) return;
+    const auto n_cells = open_database(path, Database::Access::ReadOnly)
+                             ->integer(
+                                 "SELECT count(*) FROM cells JOIN experiments ON name = experiment "
+                                 "WHERE rolled_up = 0");
+    if (n_cells < kCellsWorthARollup) return;
+    try {
+        const FileLock lock(store / "lock");
+        roll_up(*open_database(path, Database::Access::ReadWrite));
+    } catch (const Error& e) {
+        // Rows say the same, if slowly.
+        spdlog::debug("not rolled up: {}", e.what());
     }
 }
 

@@ -4,6 +4,7 @@
 // is right, and without it the same values come from the rows themselves.
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,12 @@ namespace misbench {
 
 // Makes the rollups that are not there.
 void roll_up(const Database& database);
+
+// Whoever measures a store rolls it up. One that was left before that, by a crash or by hand, is
+// rolled up by the first who asks: if it is large enough for that to matter, and nobody's who
+// writes. Throws like opening the database.
+inline constexpr int kCellsWorthARollup = 10'000;
+void roll_up_if_left_without(const std::filesystem::path& store);
 
 // In the order in which the plan first names the cells. `values` holds the metrics asked for.
 std::vector<CellSeeds> select_cells(const Database& database, const std::string& experiment,

@@ -12,7 +12,7 @@ namespace misbench {
 namespace {
 
 // Any change of a table or view counts it up; `misbench reindex` is the way from one to the next.
-constexpr int kSchemaVersion = 2;
+constexpr int kSchemaVersion = 3;
 constexpr int kApplicationId = 0x6d697362;  // "misb"
 
 // Comments inside a statement stay in the database, where `.schema` shows them.
@@ -170,6 +170,7 @@ CREATE TABLE rollup_cells (  -- a row for each scene × method × budget
     wall_seconds BLOB NOT NULL,
     cpu_seconds BLOB NOT NULL,
     rays BLOB NOT NULL,
+    reference_shares BLOB NOT NULL,  -- of reference_noise; NaN where there is none
     PRIMARY KEY (experiment, position)
 ) STRICT;
 
@@ -239,8 +240,8 @@ std::string ends_rollups(const std::string& table, const std::string& change,
 
 std::string all_that_ends_rollups() {
     std::string sql = ends_rollups("tasks", "UPDATE OF state", "NEW", "id");
-    const std::array<std::pair<const char*, const char*>, 3> sources{
-        {{"cells", "task"}, {"runs", "id"}, {"measurements", "run"}}};
+    const std::array<std::pair<const char*, const char*>, 4> sources{
+        {{"cells", "task"}, {"runs", "id"}, {"measurements", "run"}, {"reference_noise", "run"}}};
     for (const auto& [table, task] : sources) {
         sql += ends_rollups(table, "INSERT", "NEW", task);
         sql += ends_rollups(table, "UPDATE", "NEW", task);

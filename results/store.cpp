@@ -238,10 +238,6 @@ std::vector<SnapshotMeasurement> Store::snapshot_measurements(const Plan& plan,
     return select_snapshot_measurements(*database_, plan, metric);
 }
 
-std::map<std::string, double> Store::reference_shares(const Plan& plan) const {
-    return select_reference_shares(*database_, plan);
-}
-
 PixelMoments Store::moments(const std::vector<std::string>& runs) const {
     return read_or_compute_moments(folder_, runs);
 }

@@ -180,9 +180,6 @@ class Store {
     // By run, then samples.
     std::vector<SnapshotMeasurement> snapshot_measurements(const Plan& plan,
                                                            const std::string& metric) const;
-    // By run: the share of its reference's variance in its naive relMSE (reference_noise.h). Above
-    // kNoisyReference in a cell's mean, the reference needs more samples.
-    std::map<std::string, double> reference_shares(const Plan& plan) const;
     // Mean and M2 of the images of these runs, by pixel: from STORE/moments/ where they are there.
     // REQUIRES: at least one run; all of one image size.
     PixelMoments moments(const std::vector<std::string>& runs) const;

@@ -27,7 +27,7 @@ misbench_test(lab_cli_test e2e misbench_base)
 misbench_test(compare_test e2e misbench_image)
 
 # One test for ctest each, because their cases share an experiment that takes seconds to run.
-foreach(test cli_test figure_cli_test replay_test stores_test)
+foreach(test cli_test figure_cli_test replay_test stores_test verdict_test)
   add_executable(${test} e2e/${test}.cpp)
   target_link_libraries(${test}
     PRIVATE misbench_flags GTest::gmock GTest::gtest_main misbench_results)
@@ -39,10 +39,12 @@ add_test(NAME CliTest COMMAND cli_test)
 add_test(NAME FigureCliTest COMMAND figure_cli_test)
 add_test(NAME ReplayTest COMMAND replay_test)
 add_test(NAME StoresTest COMMAND stores_test)
-set_tests_properties(CliTest FigureCliTest ReplayTest StoresTest PROPERTIES LABELS e2e TIMEOUT 300)
+add_test(NAME VerdictTest COMMAND verdict_test)
+set_tests_properties(CliTest FigureCliTest ReplayTest StoresTest VerdictTest
+  PROPERTIES LABELS e2e TIMEOUT 300)
 
 foreach(test adaptive_test claims_test cli_test figure_cli_test reference_test replay_test run_test
-        stores_test)
+        stores_test verdict_test)
   target_compile_definitions(${test} PRIVATE
     MISBENCH_PROGRAM="$<TARGET_FILE:misbench>"
     MISBENCH_SCENES="${CMAKE_SOURCE_DIR}/experiments/scenes")

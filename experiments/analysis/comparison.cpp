@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -109,6 +108,45 @@ void finish(ComparedCell& cell, const Quantity& quantity) {
     cell.mean = estimate_mean(cell.values);
     if (quantity.is_reciprocal) cell.mean = reciprocal(cell.mean);
     cell.tail = max_over_median(cell.values);
+    if (!quantity.is_tail) return;
+    cell.mean.reset();
+    if (cell.tail) cell.mean = Estimate{*cell.tail, std::nullopt, NoInterval::NoEstimate};
+}
+
+// The values of each scene and method at all budgets of the plan, whatever is asked for.
+class Kin {
+ public:
+    Kin(const std::vector<CellSeeds>& cells, const Quantity& quantity) {
+        for (const CellSeeds& seeds : cells) {
+            std::vector<double>& values = values_[{seeds.scene, seeds.method}][seeds.budget];
+            for (std::size_t i = 0; i < seeds.seeds.size(); ++i) {
+                if (seeds.state(i) != SeedState::Valid) continue;
+                if (const auto value = value_of(quantity, seeds, i)) values.push_back(*value);
+            }
+        }
+    }
+
+    std::vector<std::vector<double>> of(const ComparedCell& cell) const {
+        std::vector<std::vector<double>> kin;
+        for (const auto& [budget, values] : values_.at({cell.scene, cell.method})) {
+            if (budget != to_string(cell.budget)) kin.push_back(values);
+        }
+        return kin;
+    }
+
+ private:
+    std::map<std::pair<std::string, std::string>, std::map<std::string, std::vector<double>>>
+        values_;
+};
+
+void judge_tails(Comparison& comparison, const Kin& kin) {
+    for (ComparedCell& cell : comparison.cells) {
+        cell.tail_verdict = judge_tail(cell.values, kin.of(cell));
+        if (cell.tail_verdict != TailVerdict::Dishonest || !cell.mean) continue;
+        const bool has_better_reason =
+            cell.mean->why_none && cell.mean->why_none != NoInterval::Unbounded;
+        if (!has_better_reason) cell.mean = {cell.mean->value, {}, NoInterval::HeavyTail};
+    }
 }
 
 std::vector<Budget> wanted_budgets(const Plan& plan, const std::optional<Budget>& budget) {
@@ -167,6 +205,7 @@ std::optional<ComparedCell> compared_cell(const CellSeeds& seeds, const Budget& 
     }
     if (cell.n_planned == 0) return std::nullopt;
     finish(cell, quantity);
+    if (!quantity.metric.empty()) cell.reference_share = mean_reference_share(seeds);
     return cell;
 }
 
@@ -241,29 +280,6 @@ void drop_empty(Comparison& comparison) {
                   [&](const Budget& b) { return !has_cell(b, &ComparedCell::budget); });
 }
 
-std::string group_of(const std::string& scene) { return scene.substr(0, scene.find('/')); }
-
-// The mean of the ratios that a method has in these scenes. Absent where one lacks it.
-std::optional<ComparedCell> mean_over(const Comparison& comparison,
-                                      const std::vector<std::string>& scenes,
-                                      const std::string& method, const Budget& budget) {
-    std::vector<LogRatio> ratios;
-    for (const std::string& scene : scenes) {
-        const ComparedCell* cell = comparison.find(scene, method, budget);
-        if (cell == nullptr) continue;
-        if (!cell->ratio_log) return std::nullopt;
-        ratios.push_back(*cell->ratio_log);
-    }
-    if (ratios.empty()) return std::nullopt;
-    ComparedCell mean;
-    mean.method = method;
-    mean.budget = budget;
-    mean.is_mean_of_scenes = true;
-    mean.ratio_is_paired = true;
-    set_ratio(mean, mean_log_ratio(ratios));
-    return mean;
-}
-
 }  // namespace
 
 bool are_paired(const ComparedCell& a, const ComparedCell& b) {
@@ -271,9 +287,17 @@ bool are_paired(const ComparedCell& a, const ComparedCell& b) {
 }
 
 std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b) {
-    if (!are_paired(a, b)) return log_ratio(a.values, b.values);
-    const Pairs pairs = pairs_of(a, b);
-    return paired_log_ratio(pairs.a, pairs.b);
+    std::optional<LogRatio> ratio;
+    if (are_paired(a, b)) {
+        const Pairs pairs = pairs_of(a, b);
+        ratio = paired_log_ratio(pairs.a, pairs.b);
+    } else {
+        ratio = log_ratio(a.values, b.values);
+    }
+    const bool is_honest =
+        a.tail_verdict != TailVerdict::Dishonest && b.tail_verdict != TailVerdict::Dishonest;
+    if (ratio && !ratio->why_none && !is_honest) ratio->why_none = NoInterval::HeavyTail;
+    return ratio;
 }
 
 std::string status_of(const ComparedCell& cell) {
@@ -308,15 +332,16 @@ Comparison compare(const Store& store, const Plan& plan, const std::string& metr
 
 Comparison compare(const Store& store, const Plan& plan, const Question& question) {
     const Quantity quantity = find_quantity(plan, question.quantity);
-    Comparison comparison{.experiment = plan.experiment,
-                          .metric = quantity.id,
-                          .formula = quantity.formula,
-                          .better = quantity.better,
-                          .baseline = wanted_baseline(plan, question.ratio_to),
-                          .scenes = {},
-                          .methods = plan.methods,
-                          .budgets = wanted_budgets(plan, question.budget),
-                          .cells = {}};
+    Comparison comparison{
+        .experiment = plan.experiment,
+        .metric = quantity.id,
+        .formula = quantity.formula,
+        .better = quantity.better,
+        .baseline = quantity.is_tail ? kToNone : wanted_baseline(plan, question.ratio_to),
+        .scenes = {},
+        .methods = plan.methods,
+        .budgets = wanted_budgets(plan, question.budget),
+        .cells = {}};
     if (plan.seed_rule) {
         comparison.seed_rule = {.rule = *plan.seed_rule,
                                 .metric = plan.metrics.front(),
@@ -340,34 +365,12 @@ Comparison compare(const Store& store, const Plan& plan, const Question& questio
         auto cell = compared_cell(seeds, b->second, quantity, filter ? &*filter : nullptr);
         if (cell) comparison.cells.push_back(std::move(*cell));
     }
+    judge_tails(comparison, Kin(all, quantity));
     order_cells(comparison);
     if (filter) drop_empty(comparison);
     compute_ratios(comparison, quantity);
     if (comparison.baseline != kToBest) adjust_p_values({&comparison, 1});
     return comparison;
-}
-
-void add_means_over_scenes(Comparison& comparison, bool by_group) {
-    std::map<std::string, std::vector<std::string>> groups;
-    for (const std::string& scene : comparison.scenes) {
-        groups[by_group ? group_of(scene) : ""].push_back(scene);
-    }
-    std::vector<ComparedCell> means;
-    for (const auto& [group, scenes] : groups) {
-        const std::string name =
-            fmt::format("geometric mean of {} scene{}{}", scenes.size(),
-                        scenes.size() == 1 ? "" : "s", by_group ? " " + group : "");
-        comparison.scenes.push_back(name);
-        for (const Budget& budget : comparison.budgets) {
-            for (const std::string& method : comparison.methods) {
-                auto mean = mean_over(comparison, scenes, method, budget);
-                if (!mean) continue;
-                mean->scene = name;
-                means.push_back(std::move(*mean));
-            }
-        }
-    }
-    std::ranges::move(means, std::back_inserter(comparison.cells));
 }
 
 void adjust_p_values(std::span<Comparison> comparisons) {

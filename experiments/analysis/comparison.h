@@ -14,6 +14,7 @@
 #include "experiments/statistics/tail.h"
 #include "renderer/base/parameters.h"
 #include "results/metrics/metrics.h"
+#include "results/reference_noise.h"
 #include "results/store.h"
 
 namespace misbench {
@@ -51,8 +52,13 @@ struct ComparedCell {
     // Largest over median value: absent below kFewestForInterval seeds and for a median that is
     // not positive.
     std::optional<double> tail;
+    // Of the values, with the scene and method's other budgets as kin. Where it is dishonest there
+    // is no interval of the mean, nor of any ratio that it is in.
+    TailVerdict tail_verdict = TailVerdict::Calm;
+    // Of the reference's noise in the error, over all seeds; absent for what is no error.
+    std::optional<double> reference_share;
     bool is_baseline = false;
-    bool is_mean_of_scenes = false;  // has a ratio and nothing else
+    bool is_mean_of_scenes = false;  // has a ratio and nothing else (scene_means.h)
     bool few_passes = false;  // a run of a time budget ended after fewer than kFewPasses passes
     double mean_passes = 0;   // samples a pixel
     double mean_wall_seconds = 0;
@@ -63,13 +69,14 @@ struct ComparedCell {
     // The difference survives that many are looked at: a share of 5 % of those that a table marks
     // is expected to be chance.
     bool differs() const { return adjusted_p && *adjusted_p <= 1 - kConfidence; }
-    bool has_heavy_tail() const { return tail && *tail > kHeavyTail; }
+    bool has_heavy_tail() const { return tail_verdict == TailVerdict::Heavy; }
+    bool has_noisy_reference() const { return reference_share > kNoisyReference; }
 };
 
 // All seeds of the one are the other's too, so that their values come in pairs.
 bool are_paired(const ComparedCell& a, const ComparedCell& b);
 // log(mean(a)/mean(b)), of pairs where there are, over the seeds that both have. Absent like
-// ComparedCell::ratio.
+// ComparedCell::ratio; it says nothing but its value where the tail of one of the two is dishonest.
 std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b);
 
 // "4 of 5 seeds: 1 failed"; "" when all seeds are measured.
@@ -90,7 +97,7 @@ struct Comparison {
     Direction better = Direction::Less;
     std::string baseline;  // what ratios are to: a label, kToBest or kToNone
     std::optional<ComparedRule> seed_rule = std::nullopt;
-    std::vector<std::string> scenes;   // as in the plan; then the means over scenes, if any
+    std::vector<std::string> scenes;   // as in the plan; then those of scene_means.h, if any
     std::vector<std::string> methods;  // as in the plan
     std::vector<Budget> budgets;       // as in the plan, or the one asked for
     std::vector<ComparedCell> cells;   // by scene, then budget, then method; excluded ones left out
@@ -119,10 +126,6 @@ struct Question {
 Comparison compare(const Store& store, const Plan& plan, const Question& question);
 Comparison compare(const Store& store, const Plan& plan, const std::string& metric = "",
                    const std::optional<Budget>& budget = std::nullopt);
-
-// Adds the geometric mean of each method's ratios over the scenes (of each group: what stands
-// before the first '/' of a scene's name), where every scene that has the method has a ratio.
-void add_means_over_scenes(Comparison& comparison, bool by_group);
 
 // Adjusts the p values of all of them together: those of one table.
 void adjust_p_values(std::span<Comparison> comparisons);

@@ -73,13 +73,6 @@ Finding judge_ratio(const Claim& claim, const Estimate& ratio) {
     return ratio.interval ? judge(claim, *ratio.interval) : Finding::NotDecided;
 }
 
-// As the ratio would be with so many seeds instead of `n`.
-LogRatio with_seeds(LogRatio ratio, int n, int wanted) {
-    ratio.variance *= static_cast<double>(n) / wanted;
-    ratio.degrees_of_freedom *= static_cast<double>(wanted - 1) / (n - 1);
-    return ratio;
-}
-
 std::optional<int> more_seeds_for(const Claim& claim, const std::vector<LogRatio>& ratios, int n) {
     if (n < kFewestForInterval) return kFewestForInterval - n;
     for (int wanted = n + 1; wanted <= kMostSeeds; wanted += std::max(1, wanted / 20)) {

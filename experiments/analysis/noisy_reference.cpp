@@ -1,7 +1,7 @@
 #include "experiments/analysis/noisy_reference.h"
 
-#include <algorithm>
-#include <map>
+#include <optional>
+#include <span>
 
 #include "experiments/plan/imported.h"
 #include "renderer/base/error.h"
@@ -9,27 +9,16 @@
 namespace misbench {
 
 std::vector<CellReferenceShare> cell_reference_shares(const Store& store, const Plan& plan) {
-    const std::map<std::string, double> by_run = store.reference_shares(plan);
     std::vector<CellReferenceShare> cells;
-    std::vector<int> n_seeds;
-    for (const Cell& cell : plan.cells) {
-        if (cell.role != Role::Test) continue;
-        const auto share = by_run.find(task_id(cell.task));
-        if (share == by_run.end()) continue;
-        const auto found = std::ranges::find_if(cells, [&cell](const CellReferenceShare& other) {
-            return other.scene == cell.scene && other.method == cell.method &&
-                   other.budget == cell.budget;
-        });
-        const auto i = static_cast<std::size_t>(found - cells.begin());
-        if (found == cells.end()) {
+    for (const CellSeeds& seeds : store.cell_seeds(plan.experiment, {})) {
+        const std::optional<double> share = mean_reference_share(seeds);
+        if (!share) continue;
+        for (const Budget& budget : plan.budgets) {
+            if (to_string(budget) != seeds.budget) continue;
             cells.push_back(
-                {.scene = cell.scene, .method = cell.method, .budget = cell.budget, .share = 0});
-            n_seeds.push_back(0);
+                {.scene = seeds.scene, .method = seeds.method, .budget = budget, .share = *share});
         }
-        cells[i].share += share->second;
-        ++n_seeds[i];
     }
-    for (std::size_t i = 0; i < cells.size(); ++i) cells[i].share /= n_seeds[i];
     return cells;
 }
 

@@ -66,18 +66,32 @@ std::optional<Quantity> find_product(const Plan& plan, std::string_view text) {
     return found;
 }
 
+// "tail(M)" of a metric M.
+std::optional<Quantity> find_tail(const Plan& plan, std::string_view text) {
+    constexpr std::string_view kBefore = "tail(";
+    if (!text.starts_with(kBefore) || !text.ends_with(")")) return std::nullopt;
+    text = text.substr(kBefore.size(), text.size() - kBefore.size() - 1);
+    std::optional<Quantity> found = find_known(plan, std::string(text));
+    if (!found || found->metric.empty()) return std::nullopt;
+    found->id = "tail(" + found->id + ")";
+    found->formula = "largest / median seed's " + found->formula;
+    found->is_tail = true;
+    return found;
+}
+
 }  // namespace
 
 Quantity find_quantity(const Plan& plan, const std::string& text) {
     const std::string wanted = text.empty() && !plan.metrics.empty() ? plan.metrics.front() : text;
     if (auto found = find_known(plan, wanted)) return *found;
     if (auto found = find_product(plan, wanted)) return *found;
+    if (auto found = find_tail(plan, wanted)) return *found;
     std::string known;
     for (const std::string& m : plan.metrics) known.append(" ").append(m);
     for (const NamedCost& row : kCosts) known.append(" ").append(row.name);
     throw ParameterError("metric", "experiment '" + plan.experiment + "' does not measure '" +
                                        text + "'; known:" + known +
-                                       ", and METRIC*cpu and 1/(METRIC*cpu)");
+                                       ", and METRIC*cpu, 1/(METRIC*cpu) and tail(METRIC)");
 }
 
 std::optional<double> value_of(const Quantity& quantity, const CellSeeds& cell, std::size_t seed) {

@@ -23,14 +23,17 @@ struct Quantity {
     // Shown as the reciprocal of the mean, 1/(mean of error × time): a mean of reciprocals would be
     // another number, and infinite where one error is zero.
     bool is_reciprocal = false;
+    // Of a cell: the largest over the median seed. It estimates nothing, so it has no interval and
+    // no ratio.
+    bool is_tail = false;
 };
 
 // `text` is "" for the plan's first metric, one of its metrics M, "passes", "cpu_seconds",
-// "wall_seconds", "rays", "seconds_per_pass", "M*cpu" or "1/(M*cpu)". Throws ParameterError with
-// the known ones.
+// "wall_seconds", "rays", "seconds_per_pass", "M*cpu", "1/(M*cpu)" or "tail(M)". Throws
+// ParameterError with the known ones.
 Quantity find_quantity(const Plan& plan, const std::string& text);
 
-// Of a valid run, before it is made reciprocal. Absent where the metric is not measured.
+// Of a valid run, before it is made reciprocal or a tail. Absent where the metric is not measured.
 std::optional<double> value_of(const Quantity& quantity, const CellSeeds& cell, std::size_t seed);
 
 }  // namespace misbench

@@ -40,6 +40,16 @@ void plant(ComparedCell& cell) {
     for (double& value : cell.values) value *= 1 + kPlanted;
 }
 
+// Of the same scene and method, at other budgets.
+std::vector<std::vector<double>> kin_of(const Comparison& comparison, const ComparedCell& cell) {
+    std::vector<std::vector<double>> kin;
+    for (const ComparedCell& other : comparison.cells) {
+        const bool is_kin = other.scene == cell.scene && other.method == cell.method;
+        if (is_kin && other.budget != cell.budget) kin.push_back(other.values);
+    }
+    return kin;
+}
+
 // Of the comparison that tables make. 1 where they show no interval: no difference is found there.
 double p_value_of(const Halves& halves) {
     const std::optional<LogRatio> ratio = log_ratio(halves.a, halves.b);
@@ -56,6 +66,11 @@ struct Counts {
     }
 };
 
+struct TestedCell {
+    const ComparedCell* cell;
+    std::vector<std::vector<double>> kin;
+};
+
 // Over the cells and splits of one table.
 struct SplitCounts {
     Counts alone;
@@ -67,13 +82,16 @@ struct SplitCounts {
 };
 
 // One split of every cell.
-void count_split(const std::vector<const ComparedCell*>& cells, std::uint32_t split_idx,
-                 double alpha, SplitCounts& counts) {
+void count_split(const std::vector<TestedCell>& cells, std::uint32_t split_idx, double alpha,
+                 SplitCounts& counts) {
     std::vector<double> p;
     std::vector<double> planted_p;
     for (std::uint32_t c = 0; c < cells.size(); ++c) {
         Rng rng(0, c, split_idx);
-        Halves halves = split(*cells[c], rng);
+        Halves halves = split(*cells[c].cell, rng);
+        for (ComparedCell* half : {&halves.a, &halves.b}) {
+            half->tail_verdict = judge_tail(half->values, cells[c].kin);
+        }
         p.push_back(p_value_of(halves));
         plant(halves.a);
         planted_p.push_back(p_value_of(halves));
@@ -115,7 +133,7 @@ SelfTest self_test(const Comparison& comparison) {
                   .skipped = {},
                   .alone = {},
                   .adjusted = {}};
-    std::vector<const ComparedCell*> cells;
+    std::vector<TestedCell> cells;
     for (const ComparedCell& cell : comparison.cells) {
         if (cell.n_measured < kFewestToSplit) {
             test.skipped.push_back(fmt::format("{}, {}, {}: {} seed{}", cell.scene, cell.method,
@@ -123,7 +141,7 @@ SelfTest self_test(const Comparison& comparison) {
                                                cell.n_measured == 1 ? "" : "s"));
             continue;
         }
-        cells.push_back(&cell);
+        cells.push_back({&cell, kin_of(comparison, cell)});
         test.cells.push_back(split_cell(cell));
     }
     if (cells.empty()) return test;

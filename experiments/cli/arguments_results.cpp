@@ -18,8 +18,9 @@ void add_table(CLI::App& app, Chosen& chosen) {
                     "its name, also several times; default: the latest")
         ->allow_extra_args(false);
     verb.add_option("--metric", options->metrics,
-                    "its id, also several times; METRIC*cpu, 1/(METRIC*cpu), seconds_per_pass, "
-                    "passes, cpu_seconds, wall_seconds, rays; default: the experiment's first")
+                    "its id, also several times; METRIC*cpu, 1/(METRIC*cpu), tail(METRIC), "
+                    "seconds_per_pass, passes, cpu_seconds, wall_seconds, rays; default: the "
+                    "experiment's first")
         ->allow_extra_args(false);
     verb.add_option("--rows", options->rows,
                     "what goes down: scene, method, budget, metric, experiment or a parameter")
@@ -31,7 +32,10 @@ void add_table(CLI::App& app, Chosen& chosen) {
     verb.add_option("--ratio-to", options->ratio_to,
                     "a method, best or none; default: the experiment's baseline");
     verb.add_option("--sort", options->sort, "rows by name, mean or a column; default: as planned");
-    verb.add_flag("--mean", options->mean, "also geometric means of ratios over the scenes");
+    verb.add_flag(
+        "--mean", options->mean,
+        "also geometric means of ratios over the scenes: for just these, and for others like "
+        "them");
     verb.add_flag("--group", options->group,
                   "the same of each group of scenes: what stands before the first / of a name");
     verb.add_option("--hide", options->hidden, "any of mean, ratio, seeds, effort, footer")

@@ -40,16 +40,19 @@ std::string to_text(const SelfTest& test) {
     text += tested_line("each alone", test.alone);
     text += tested_line("adjusted for the table", test.adjusted);
     text += fmt::format(
-        "  {}\n", test.passes() ? "no more than chance: the comparison passes"
-                                : "MORE THAN CHANCE: intervals here are too short; see tails");
+        "  {}\n", test.passes()
+                      ? fmt::format("no more than chance, as far as {} cells tell: the comparison "
+                                    "passes",
+                                    test.cells.size())
+                      : "MORE THAN CHANCE: intervals here are too short; see tails");
     text += fmt::format("\na planted difference of {:.0f} %, found by halves of the seeds:\n",
                         100 * kPlanted);
     text += fmt::format("  {:<34} {:>6}\n", "each alone", percent(test.found_alone));
-    text += fmt::format("  {:<34} {:>6}\n\n", "as the only one of the table",
+    text += fmt::format("  {:<34} {:>6}\n\n", "adjusted, the only one of its table",
                         percent(test.found_adjusted));
-    std::vector<std::vector<std::string>> rows{{"scene", "method", "budget", "seeds", "false",
-                                                "found by halves", "power at all seeds",
-                                                "seeds for power 80 %"}};
+    std::vector<std::vector<std::string>> rows{{"scene", "method", "budget", "seeds",
+                                                "found where none is", "found by halves",
+                                                "power at all seeds", "seeds for power 80 %"}};
     for (const SplitCell& cell : test.cells) {
         rows.push_back({cell.scene, cell.method, to_string(cell.budget),
                         std::to_string(cell.n_seeds), percent(cell.false_share),

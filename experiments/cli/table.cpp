@@ -2,11 +2,13 @@
 #include <algorithm>
 
 #include "experiments/analysis/comparison.h"
+#include "experiments/analysis/scene_means.h"
 #include "experiments/cli/output.h"
 #include "experiments/cli/verbs.h"
 #include "experiments/report/provenance.h"
 #include "experiments/report/table_formats.h"
 #include "renderer/base/error.h"
+#include "results/rollup.h"
 
 namespace misbench {
 namespace {
@@ -44,6 +46,7 @@ std::string formatted(const Table& table, const std::string& format) {
 }  // namespace
 
 int table_verb(const TableOptions& options) {
+    roll_up_if_left_without(options.store);
     const Store store(options.store, Store::Access::ReadOnly);
     std::vector<Plan> plans;
     for (const std::string& name : options.experiments) {

@@ -41,7 +41,11 @@ nlohmann::ordered_json cell_to_json(const ComparedCell& cell) {
                                    {"passes", cell.mean_passes},
                                    {"wall_seconds", cell.mean_wall_seconds},
                                    {"cpu_seconds", cell.mean_cpu_seconds}};
+    json["mean_of_scenes"] = cell.is_mean_of_scenes;
     json["tail"] = number_or_null(cell.tail);
+    json["tail_verdict"] = to_string(cell.tail_verdict);
+    json["reference_share"] = number_or_null(cell.reference_share);
+    json["noisy_reference"] = cell.has_noisy_reference();
     return json;
 }
 
@@ -76,9 +80,10 @@ std::string cell_to_csv(const Comparison& comparison, const ComparedCell& cell) 
     }
     csv += number_or_empty(cell.p) + "," + number_or_empty(cell.adjusted_p) + ",";
     for (const bool flag : {cell.is_baseline, cell.few_passes}) csv += flag ? "true," : "false,";
-    return csv + number_or_empty(cell.tail) + "," + full_precision(cell.mean_passes) + "," +
-           full_precision(cell.mean_wall_seconds) + "," + full_precision(cell.mean_cpu_seconds) +
-           "\n";
+    csv += number_or_empty(cell.tail) + "," + to_string(cell.tail_verdict) + "," +
+           number_or_empty(cell.reference_share) + ",";
+    return csv + full_precision(cell.mean_passes) + "," + full_precision(cell.mean_wall_seconds) +
+           "," + full_precision(cell.mean_cpu_seconds) + "\n";
 }
 
 nlohmann::ordered_json comparison_to_json(const Comparison& comparison) {
@@ -108,8 +113,8 @@ std::string to_csv(std::span<const Comparison> comparisons) {
     std::string csv =
         "experiment,metric,scene,method,budget,planned,measured,invalid,failed,unfinished,"
         "without_reference,mean,mean_low,mean_high,ratio,ratio_low,ratio_high,ratio_is_paired,"
-        "ratio_excludes_one,p,adjusted_p,baseline,few_passes,tail,passes,wall_seconds,"
-        "cpu_seconds\n";
+        "ratio_excludes_one,p,adjusted_p,baseline,few_passes,tail,tail_verdict,"
+        "reference_share,passes,wall_seconds,cpu_seconds\n";
     for (const Comparison& comparison : comparisons) {
         for (const ComparedCell& cell : comparison.cells) csv += cell_to_csv(comparison, cell);
     }

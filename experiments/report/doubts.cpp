@@ -27,7 +27,9 @@ class Doubter {
             {"invalid runs, left out of all numbers", invalid()},
             {"cells without all of their seeds", incomplete()},
             {few_passes_footnote(), cells_with(&ComparedCell::few_passes)},
-            {heavy_tail_footnote(), heavy_tails()},
+            {heavy_tail_footnote(), tails(TailVerdict::Heavy)},
+            {"no interval: " + to_string(NoInterval::HeavyTail), tails(TailVerdict::Dishonest)},
+            {noisy_reference_footnote(), noisy_references()},
             {"references of fewer samples than a run they judge", small_references()},
             {fmt::format("runs of which a hypervisor stole more than {:.0f} %", 100 * kMuchSteal),
              stolen()}};
@@ -83,13 +85,24 @@ class Doubter {
         return cases;
     }
 
-    std::vector<std::string> heavy_tails() const {
+    std::vector<std::string> tails(TailVerdict verdict) const {
         std::vector<std::string> cases;
         for (const ComparedCell& cell : comparison_.cells) {
-            if (!cell.has_heavy_tail()) continue;
-            cases.push_back(fmt::format("{}: {:.3g} times the median",
+            if (cell.tail_verdict != verdict) continue;
+            cases.push_back(place_of(cell.scene, cell.method, cell.budget));
+            if (!cell.tail) continue;
+            cases.back() += fmt::format(": the largest is {:.3g} times the median", *cell.tail);
+        }
+        return cases;
+    }
+
+    std::vector<std::string> noisy_references() const {
+        std::vector<std::string> cases;
+        for (const ComparedCell& cell : comparison_.cells) {
+            if (!cell.has_noisy_reference()) continue;
+            cases.push_back(fmt::format("{}: {:.2g} %",
                                         place_of(cell.scene, cell.method, cell.budget),
-                                        *cell.tail));
+                                        100 * *cell.reference_share));
         }
         return cases;
     }

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "experiments/analysis/seed_rounds.h"
@@ -20,19 +19,25 @@ constexpr const char* kLessMark = " ▼*";
 constexpr const char* kMoreMark = " ▲*";
 constexpr const char* kFewPassesMark = " †";
 constexpr const char* kHeavyTailMark = " ‡";
+constexpr const char* kNoisyReferenceMark = " §";
 
 // Which footnotes the cells of a table need.
 struct Footnotes {
     bool few_passes = false;
     bool heavy_tail = false;
+    bool noisy_reference = false;
     bool paired = false;  // a ratio is one of pairs
     bool unpaired = false;
-    std::map<NoInterval, char> reasons;  // to the letter that stands for each
+    bool means_of_scenes = false;
+    std::vector<NoInterval> reasons;  // the letters a, b, … stand for
 
     std::string mark(NoInterval reason) {
-        const auto letter = static_cast<char>('a' + static_cast<int>(reasons.size()));
-        return std::string(" ") + reasons.try_emplace(reason, letter).first->second;
+        const auto found = std::ranges::find(reasons, reason);
+        const auto i = found - reasons.begin();
+        if (found == reasons.end()) reasons.push_back(reason);
+        return std::string(" ") + letter(static_cast<std::size_t>(i));
     }
+    static char letter(std::size_t i) { return static_cast<char>('a' + static_cast<int>(i)); }
 };
 
 Verdict verdict_of(const Comparison& comparison, const ComparedCell& cell) {
@@ -49,7 +54,9 @@ void lay_out_ratio(TableCell& text, const Comparison& comparison, const Compared
     if (!cell.ratio) return;
     text.verdict = verdict_of(comparison, cell);
     text.ratio = format_ratio(*cell.ratio, layout.digits);
-    (cell.ratio_is_paired ? notes.paired : notes.unpaired) = true;
+    (cell.is_mean_of_scenes ? notes.means_of_scenes
+     : cell.ratio_is_paired ? notes.paired
+                            : notes.unpaired) = true;
     if (cell.ratio->why_none) text.ratio += notes.mark(*cell.ratio->why_none);
     if (text.verdict != Verdict::None) {
         text.ratio += cell.ratio->value < 1 ? kLessMark : kMoreMark;
@@ -63,8 +70,10 @@ void lay_out_mean(TableCell& text, const ComparedCell& cell, const TableLayout& 
     if (cell.mean->why_none) text.mean += notes.mark(*cell.mean->why_none);
     if (cell.few_passes) text.mean += kFewPassesMark;
     if (cell.has_heavy_tail()) text.mean += kHeavyTailMark;
+    if (cell.has_noisy_reference()) text.mean += kNoisyReferenceMark;
     notes.few_passes |= cell.few_passes;
     notes.heavy_tail |= cell.has_heavy_tail();
+    notes.noisy_reference |= cell.has_noisy_reference();
 }
 
 std::string effort_of(const ComparedCell& cell) {
@@ -85,12 +94,14 @@ TableCell lay_out_cell(const Comparison& comparison, const ComparedCell& cell,
                        const TableLayout& layout, Footnotes& notes) {
     TableCell text;
     if (!layout.hidden.contains("seeds")) text.status = status_of(cell);
+    const bool is_shown = !layout.hidden.contains("mean");
+    if (!cell.mean && cell.n_measured > 0 && is_shown) text.mean = "–";
     if (cell.mean) {
         text.number = cell.mean->value;
         lay_out_mean(text, cell, layout, notes);
         if (!layout.hidden.contains("effort")) text.effort = effort_of(cell);
     }
-    if (cell.ratio && (!text.number || layout.hidden.contains("mean"))) {
+    if (cell.ratio && (!text.number || !is_shown)) {
         text.number = cell.ratio->value;
     }
     if (cell.mean || cell.is_mean_of_scenes) lay_out_ratio(text, comparison, cell, layout, notes);
@@ -136,7 +147,15 @@ std::string ratio_line(const std::string& baseline, const Footnotes& notes, int 
                        kind_of_interval(notes.paired, notes.unpaired));
 }
 
+std::string scene_means_line() {
+    return fmt::format(
+        "geometric means of ratios: of these scenes [from the spread of the seeds], of scenes like "
+        "these [bootstrap-t over scenes, of {} or more; no test]",
+        kFewestToResample);
+}
+
 bool is_efficiency(const Comparison& comparison) { return comparison.metric.starts_with("1/("); }
+bool is_tail(const Comparison& comparison) { return comparison.metric.starts_with("tail("); }
 
 std::vector<std::string> footer_of(std::span<const Comparison> comparisons, const Footnotes& notes,
                                    const TableLayout& layout) {
@@ -147,7 +166,8 @@ std::vector<std::string> footer_of(std::span<const Comparison> comparisons, cons
         if (std::ranges::find(footer, line) == footer.end()) footer.push_back(line);
     };
     for (const Comparison& comparison : comparisons) add(metric_line(comparison));
-    if (!layout.hidden.contains("mean")) {
+    const bool has_means = !std::ranges::all_of(comparisons, is_tail);
+    if (!layout.hidden.contains("mean") && has_means) {
         const bool is_mixed = std::ranges::any_of(comparisons, is_efficiency);
         add(fmt::format("mean over {} ± half of its {} % Student t interval{}",
                         fewest == most ? fmt::format("{} seed{}", most, most == 1 ? "" : "s")
@@ -167,6 +187,7 @@ std::vector<std::string> footer_of(std::span<const Comparison> comparisons, cons
         add(ratio_line(comparison.baseline, notes, percent) +
             (fewest < most && notes.paired ? ", of the seeds that both have" : ""));
     }
+    if (notes.means_of_scenes) add(scene_means_line());
     if (n_tests > 0) {
         add(
             fmt::format("▼* ▲* the ratio is not 1: p ≤ {:.2g}, adjusted for all {} ratios of the "
@@ -175,8 +196,9 @@ std::vector<std::string> footer_of(std::span<const Comparison> comparisons, cons
     }
     if (notes.few_passes) add(few_passes_footnote());
     if (notes.heavy_tail) add(heavy_tail_footnote());
-    for (const auto& [reason, letter] : notes.reasons) {
-        add(fmt::format("{} no interval: {}", letter, to_string(reason)));
+    if (notes.noisy_reference) add(noisy_reference_footnote());
+    for (std::size_t i = 0; i < notes.reasons.size(); ++i) {
+        add(fmt::format("{} no interval: {}", Footnotes::letter(i), to_string(notes.reasons[i])));
     }
     return footer;
 }
@@ -247,6 +269,13 @@ std::string heavy_tail_footnote() {
         "‡ the largest seed is more than {} × the median one: rare samples carry the error, "
         "intervals may be too short",
         kHeavyTail);
+}
+
+std::string noisy_reference_footnote() {
+    return fmt::format(
+        "§ more than {:g} % of the error is the reference's own noise: `misbench reference STORE "
+        "--improve 4` renders a better one",
+        100 * kNoisyReference);
 }
 
 Table make_table(std::span<const Comparison> comparisons, const TableLayout& layout,

@@ -52,9 +52,10 @@ struct Table {
 // How the intervals of ratios are taken, of which some are of pairs and some are not.
 std::string kind_of_interval(bool some_paired, bool some_unpaired);
 
-// What the marks † and ‡ of a doubtful number mean, as lines of a footer.
+// What the marks †, ‡ and § of a doubtful number mean, as lines of a footer.
 std::string few_passes_footnote();
 std::string heavy_tail_footnote();
+std::string noisy_reference_footnote();
 
 // `provenance` ends the footer. Throws InvalidArgument when rows and columns are the same axis or
 // one of them is unknown.

@@ -123,6 +123,7 @@ std::string escape_latex(std::string_view text) {
                                      {"≤", "$\\le$"},
                                      {"†", "\\dag{}"},
                                      {"‡", "\\ddag{}"},
+                                     {"§", "\\S{}"},
                                      {"–", "--"}});
 }
 

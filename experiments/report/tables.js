@@ -25,6 +25,8 @@ function tellCell(cell, comparison) {
         lines.push(`${times[0]} spp, ${times[1]} s cpu, ${times[2]} s wall`);
     }
     if (cell.tail) lines.push(`largest seed over median: ${precise(cell.tail)}`);
+    if (cell.noisy_reference)
+        lines.push(`${precise(100 * cell.reference_share)} % of it is the reference's noise`);
     if (cell.measured < cell.planned)
         lines.push(`${cell.measured} of ${cell.planned} seeds measured`);
     return lines.join("\n");

@@ -15,13 +15,6 @@ constexpr double kRoundShare = 0.5;
 // What a seed costs at least: clocks may say zero.
 constexpr double kLeastSeconds = 1e-6;
 
-// As the ratio would be with so many pairs instead of `n`.
-LogRatio with_pairs(LogRatio ratio, int n, int wanted) {
-    ratio.variance *= static_cast<double>(n) / wanted;
-    ratio.degrees_of_freedom = wanted - 1;
-    return ratio;
-}
-
 // The most that a round gives: until the ratio is narrow by its present variance.
 int most_of_round(const RenderedRatio& rendered, double halfwidth) {
     const int most = std::max(rendered.n, std::min(2 * rendered.n, rendered.most_seeds));
@@ -31,7 +24,7 @@ int most_of_round(const RenderedRatio& rendered, double halfwidth) {
     int high = most;
     while (low < high) {
         const int middle = low + (high - low) / 2;
-        const LogRatio then = with_pairs(*rendered.ratio, rendered.n, middle);
+        const LogRatio then = with_seeds(*rendered.ratio, rendered.n, middle);
         if (is_narrow(then, halfwidth)) {
             high = middle;
         } else {

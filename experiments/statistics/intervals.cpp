@@ -58,9 +58,13 @@ std::string to_string(NoInterval reason) {
         case NoInterval::NoSpread:
             return "all seeds give the same value, or the same ratio";
         case NoInterval::HeavyTail:
-            return "rare seeds carry the mean, and fewer than two were met";
+            return "rare seeds carry a mean, and fewer than two of them were met: more seeds would "
+                   "tell";
         case NoInterval::TooFewToResample:
-            return "fewer than " + std::to_string(kFewestToResample) + " to draw from";
+            return "fewer than " + std::to_string(kFewestToResample) +
+                   " values or scenes to draw from";
+        case NoInterval::NoEstimate:
+            return "it describes these seeds and no others";
         case NoInterval::Unbounded:
             break;
     }
@@ -140,6 +144,12 @@ LogRatio mean_log_ratio(std::span<const LogRatio> ratios) {
     }
     mean.degrees_of_freedom = mean.variance * mean.variance / sum_of_squares;  // [Welch47]
     return mean;
+}
+
+LogRatio with_seeds(LogRatio ratio, int n, int wanted) {
+    ratio.variance *= static_cast<double>(n) / wanted;
+    ratio.degrees_of_freedom *= static_cast<double>(wanted - 1) / (n - 1);
+    return ratio;
 }
 
 double p_value(const LogRatio& ratio) {

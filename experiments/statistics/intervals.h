@@ -28,6 +28,7 @@ enum class NoInterval {
     Unbounded,         // of a ratio: a mean is so little above zero that anything is possible
     HeavyTail,         // rare values carry the mean, and too few of them are there (tail.h)
     TooFewToResample,  // fewer than kFewestToResample values or scenes (bootstrap.h)
+    NoEstimate,        // a number of these very seeds
 };
 // For a table's footnote: "fewer than 3 seeds".
 std::string to_string(NoInterval reason);
@@ -80,6 +81,8 @@ std::optional<LogRatio> log_ratio(std::span<const double> a, std::span<const dou
 std::optional<LogRatio> paired_log_ratio(std::span<const double> a, std::span<const double> b);
 // Of the geometric mean of independent ratios, none of them absent and one at least.
 LogRatio mean_log_ratio(std::span<const LogRatio> ratios);
+// As a ratio of `n` seeds, two or more, would be with so many instead.
+LogRatio with_seeds(LogRatio ratio, int n, int wanted);
 
 // Of the two-sided test of a ratio of one, that is a `value` of zero; below 1 - confidence exactly
 // where the interval of that confidence excludes one. 1 for an identity.

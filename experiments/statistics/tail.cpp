@@ -59,6 +59,18 @@ std::optional<double> hill_index(std::span<const double> values) {
     return mean_log > 0 ? std::optional(1 / mean_log) : std::nullopt;
 }
 
+std::string to_string(TailVerdict verdict) {
+    switch (verdict) {
+        case TailVerdict::Calm:
+            return "calm";
+        case TailVerdict::Heavy:
+            return "heavy";
+        case TailVerdict::Dishonest:
+            break;
+    }
+    return "dishonest";
+}
+
 TailVerdict judge_tail(std::span<const double> values, std::span<const std::vector<double>> kin) {
     TailShare share;
     share.add(values);

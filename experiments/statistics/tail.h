@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "experiments/statistics/intervals.h"
@@ -31,6 +32,7 @@ enum class TailVerdict {
     Heavy,      // marked: the interval stands
     Dishonest,  // no interval of these values is honest: none is shown
 };
+std::string to_string(TailVerdict verdict);  // "calm", "heavy", "dishonest"
 
 // `kin` are values of the same method that have the same tail if they have one: other budgets of
 // the same scene. Dishonest are the values when, of them and their kin, those beyond four times

@@ -89,7 +89,8 @@ TEST_F(ClaimsCliTest, PlanTakesAProfileAndShowsAll) {
 }
 
 TEST_F(ClaimsCliTest, RunPrintsClaimsWhichTheStoreKeeps) {
-    const Outcome first = run({file("first.yaml")});
+    // At fewer samples one seed of four carries the error, which decides nothing.
+    const Outcome first = run({file("first.yaml"), "--set", "budgets=[{samples: 64}]"});
     ASSERT_EQ(first.exit_code, 0) << first.err;
     const std::size_t at = first.out.find("\nclaims of first: ");
     ASSERT_NE(at, std::string::npos) << first.out;

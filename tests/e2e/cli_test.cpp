@@ -431,8 +431,9 @@ TEST_F(CliTest, EveryOptionOfATableHasAnEffect) {
     EXPECT_THAT(table({"--where", "method=mis and budget=2spp"}), Not(HasSubstr(" nee")));
     EXPECT_THAT(table({"--ratio-to", "mis"}), HasSubstr("baseline 'mis'"));
     EXPECT_THAT(table({"--ratio-to", "best"}), HasSubstr("a ranking, not a test"));
-    EXPECT_THAT(table({"--mean"}), HasSubstr("geometric mean of 2 scenes"));
-    EXPECT_THAT(table({"--group"}), HasSubstr("geometric mean of 1 scene CornellBox"));
+    EXPECT_THAT(table({"--mean"}), AllOf(HasSubstr("geometric mean of these 2 scenes"),
+                                         HasSubstr("geometric mean of scenes like these 2")));
+    EXPECT_THAT(table({"--group"}), HasSubstr("geometric mean of this scene of CornellBox"));
     EXPECT_NE(table({"--sort", "mis"}), table({"--sort", "name"}));
     EXPECT_THAT(table({"--hide", "ratio,footer"}), Not(HasSubstr("×")));
     EXPECT_NE(table({"--precision", "1"}), table({"--precision", "5"}));

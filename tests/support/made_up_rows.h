@@ -63,6 +63,7 @@ INSERT INTO measurements SELECT id, 0, 'a', 'b', metric,
     (1 + ((i * 7919 + seed * 104729) % 1000) / 1000.0) * pow(0.97, method)
     FROM n, (SELECT 'mse' AS metric UNION ALL SELECT 'relmse.eps0.01'
              UNION ALL SELECT 'relmse.eps0.01.trim0.001' UNION ALL SELECT 'm4' UNION ALL SELECT 'm5');
+INSERT INTO reference_noise SELECT id, 'a', 'b', 0.001 * seed FROM n;
 )sql",
                                   size.n_scenes, size.n_methods, size.n_seeds));
     transaction.commit();

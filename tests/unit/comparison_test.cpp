@@ -6,7 +6,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "experiments/analysis/scene_means.h"
+#include "experiments/statistics/bootstrap.h"
 #include "renderer/base/error.h"
+#include "results/schema.h"
 #include "tests/support/made_up_store.h"
 
 namespace misbench {
@@ -25,8 +28,55 @@ class ComparisonTest : public testing::Test {
         commit_made_up_run(store_, cell.task, change);
     }
 
+    // Rare samples, as it were.
+    void multiply_errors(const Cell& cell, double factor) {
+        open_database(store_.folder() / "results.sqlite", Database::Access::ReadWrite)
+            ->prepare("UPDATE measurements SET value = ?1 * value WHERE run = ?2")
+            .bind(factor, task_id(cell.task))
+            .run();
+    }
+
+    const Cell& planned(const Plan& plan, const std::string& method, std::int64_t seed,
+                        const Budget& budget) const {
+        return *std::ranges::find_if(plan.cells, [&](const Cell& cell) {
+            return cell.role == Role::Test && cell.method == method && cell.seed == seed &&
+                   cell.budget == budget;
+        });
+    }
+
+    // With a second budget.
+    Plan two_budgets() {
+        Plan plan = plan_;
+        plan.budgets.push_back(longer_);
+        for (const Cell& cell : made_up_plan("first", 5, longer_).cells) {
+            if (cell.role == Role::Test) plan.cells.push_back(cell);
+        }
+        store_.put_experiment(plan);
+        commit_all(store_, plan);
+        store_.measure(plan);
+        return plan;
+    }
+
+    // Five scenes, as far as ratios go.
+    Comparison five_scenes() {
+        commit_all(store_, plan_);
+        store_.measure(plan_);
+        Comparison comparison = compare(store_, plan_);
+        const std::vector<ComparedCell> cells = comparison.cells;
+        for (int i = 1; i < 5; ++i) {
+            comparison.scenes.push_back("Box/" + std::to_string(i));
+            for (ComparedCell cell : cells) {
+                cell.scene = comparison.scenes.back();
+                if (cell.ratio_log) cell.ratio_log->value += 0.1 * i;
+                comparison.cells.push_back(cell);
+            }
+        }
+        return comparison;
+    }
+
     const Plan plan_ = made_up_plan("first", 5);
     const Budget budget_ = SampleBudget{16};
+    const Budget longer_ = SampleBudget{64};
 
  private:
     TemporaryFolder temporary_;
@@ -57,7 +107,11 @@ TEST_F(ComparisonTest, SaysWhichMethodIsBetterAndHowSureThatIs) {
     EXPECT_NEAR(clever.ratio->value, 0.25, 0.1);
     EXPECT_DOUBLE_EQ(clever.ratio->value, clever.mean->value / plain.mean->value);
     EXPECT_TRUE(clever.ratio_excludes_one());
-    EXPECT_FALSE(clever.has_heavy_tail());
+    EXPECT_EQ(clever.tail_verdict, TailVerdict::Calm);
+    EXPECT_EQ(clever.tail, max_over_median(clever.values));
+    EXPECT_EQ(clever.reference_share, mean_reference_share(store_.cell_seeds("first", {})[1]));
+    EXPECT_GT(clever.reference_share, 0.01);
+    EXPECT_FALSE(compare(store_, plan_, "passes").cells[1].reference_share);
     EXPECT_TRUE(clever.ratio_is_paired);
     EXPECT_THAT(clever.seeds, ElementsAre(1, 2, 3, 4, 5));
     EXPECT_EQ(clever.ratio, estimate_paired_ratio(clever.values, plain.values));
@@ -172,8 +226,8 @@ TEST_F(ComparisonTest, TakesTheMetricAndTheBudgetAskedFor) {
     } catch (const ParameterError& e) {
         EXPECT_STREQ(e.what(),
                      "experiment 'first' does not measure 'mean'; known: relmse.eps0.01 mse "
-                     "seconds_per_pass passes cpu_seconds wall_seconds rays, and METRIC*cpu and "
-                     "1/(METRIC*cpu)");
+                     "seconds_per_pass passes cpu_seconds wall_seconds rays, and METRIC*cpu, "
+                     "1/(METRIC*cpu) and tail(METRIC)");
     }
     try {
         compare(store_, plan_, "mse", SampleBudget{17});
@@ -242,31 +296,136 @@ TEST_F(ComparisonTest, AsksForSeedsBaselinesAndCosts) {
                 1e-12);
 }
 
-TEST_F(ComparisonTest, MeansOverScenesAreOfRatiosAndNeedThemAll) {
+// --- tails ---------------------------------------------------------------------------------------
+
+TEST_F(ComparisonTest, WhereRareSeedsOfEitherCarryTheErrorThereIsNoVerdict) {
     commit_all(store_, plan_);
     store_.measure(plan_);
-    Comparison comparison = compare(store_, plan_);
-    const Estimate ratio = *comparison.cells[1].ratio;
-    for (int i = 0; i < 2; ++i) {
-        ComparedCell other = comparison.cells[static_cast<std::size_t>(i)];
-        other.scene = "Box/Two";
-        if (other.ratio_log) other.ratio_log->value += 1;
-        comparison.cells.push_back(other);
+    multiply_errors(planned(plan_, "plain", 3, budget_), 50);
+    for (const char* quantity : {"", "mse*cpu", "1/(mse*cpu)"}) {
+        const Comparison comparison = compare(store_, plan_, quantity);
+        const ComparedCell& plain = comparison.cells[0];
+        const ComparedCell& clever = comparison.cells[1];
+        EXPECT_EQ(plain.tail_verdict, TailVerdict::Dishonest);
+        EXPECT_FALSE(plain.has_heavy_tail());
+        EXPECT_FALSE(plain.mean->interval);
+        EXPECT_EQ(plain.mean->why_none, NoInterval::HeavyTail);
+        EXPECT_TRUE(clever.mean->interval) << "its own seeds are calm";
+        ASSERT_TRUE(clever.ratio);
+        EXPECT_FALSE(clever.ratio->interval);
+        EXPECT_EQ(clever.ratio->why_none, NoInterval::HeavyTail);
+        EXPECT_FALSE(clever.p || clever.adjusted_p || clever.differs());
     }
-    comparison.scenes.emplace_back("Box/Two");
-    add_means_over_scenes(comparison, false);
-    const ComparedCell& mean = comparison.cells.back();
-    EXPECT_TRUE(mean.is_mean_of_scenes);
-    EXPECT_EQ(mean.scene, "geometric mean of 2 scenes");
-    EXPECT_NEAR(mean.ratio->value, ratio.value * std::exp(0.5), 1e-12);
+    store_comparisons(store_, plan_);
+    EXPECT_EQ(open_database(store_.folder() / "results.sqlite", Database::Access::ReadOnly)
+                  ->integer("SELECT count(*) FROM comparisons WHERE low IS NULL AND p IS NULL"),
+              2);
+}
 
-    Comparison grouped = comparison;
-    grouped.scenes.pop_back();
-    grouped.cells.pop_back();
-    grouped.cells.back().ratio_log.reset();
-    Comparison lacking = grouped;
-    add_means_over_scenes(lacking, true);
-    EXPECT_FALSE(lacking.cells.back().is_mean_of_scenes);
+TEST_F(ComparisonTest, ATailThatWasMetTwiceIsMarkedAndKeepsItsInterval) {
+    commit_all(store_, plan_);
+    store_.measure(plan_);
+    for (const std::int64_t seed : {2, 3}) {
+        multiply_errors(planned(plan_, "clever", seed, budget_), 50);
+    }
+    const Comparison comparison = compare(store_, plan_);
+    const ComparedCell& clever = comparison.cells[1];
+    EXPECT_TRUE(clever.has_heavy_tail());
+    EXPECT_TRUE(clever.mean->interval && clever.ratio->interval && clever.p);
+}
+
+TEST_F(ComparisonTest, ATailIsKnownFromOtherBudgetsWhateverIsAskedFor) {
+    const Plan plan = two_budgets();
+    EXPECT_TRUE(compare(store_, plan).cells[1].ratio->interval);
+    multiply_errors(planned(plan, "clever", 3, longer_), 50);
+    Question question;
+    for (const char* where : {"", "budget=16spp"}) {
+        for (const auto& budget : {std::optional<Budget>(), std::optional(budget_)}) {
+            question.where = where;
+            question.budget = budget;
+            const Comparison comparison = compare(store_, plan, question);
+            const ComparedCell* plain = comparison.find("Box", "plain", budget_);
+            const ComparedCell* clever = comparison.find("Box", "clever", budget_);
+            EXPECT_LT(*clever->tail, 2) << "its own seeds show nothing";
+            EXPECT_EQ(clever->mean->why_none, NoInterval::HeavyTail);
+            EXPECT_EQ(clever->ratio->why_none, NoInterval::HeavyTail);
+            EXPECT_TRUE(plain->mean->interval);
+        }
+    }
+}
+
+TEST_F(ComparisonTest, ATailIsAskedForAsAQuantityOfACell) {
+    commit_all(store_, plan_);
+    store_.measure(plan_);
+    const Comparison errors = compare(store_, plan_, "mse");
+    const Comparison tails = compare(store_, plan_, "tail(mse)");
+    EXPECT_EQ(tails.metric, "tail(mse)");
+    EXPECT_EQ(tails.baseline, kToNone);
+    for (const std::size_t i : {0U, 1U}) {
+        EXPECT_EQ(tails.cells[i].mean->value, errors.cells[i].tail);
+        EXPECT_EQ(tails.cells[i].mean->why_none, NoInterval::NoEstimate);
+        EXPECT_FALSE(tails.cells[i].ratio);
+    }
+    for (const char* nonsense : {"tail(passes)", "tail(mean)", "tail(mse", "tail()"}) {
+        EXPECT_THROW(compare(store_, plan_, nonsense), ParameterError) << nonsense;
+    }
+}
+
+// --- over scenes ---------------------------------------------------------------------------------
+
+TEST_F(ComparisonTest, MeansOverScenesAreOfTheseScenesAndOfScenesLikeThem) {
+    Comparison comparison = five_scenes();
+    std::vector<double> values;
+    std::vector<LogRatio> ratios;
+    for (const ComparedCell& cell : comparison.cells) {
+        if (!cell.ratio_log) continue;
+        ratios.push_back(*cell.ratio_log);
+        values.push_back(cell.ratio_log->value);
+    }
+    add_means_over_scenes(comparison, false);
+    ASSERT_EQ(comparison.cells.size(), 12U);
+    const ComparedCell& these = comparison.cells[10];
+    const ComparedCell& such = comparison.cells[11];
+    EXPECT_EQ(these.scene, "geometric mean of these 5 scenes");
+    EXPECT_EQ(such.scene, "geometric mean of scenes like these 5");
+    EXPECT_TRUE(these.is_mean_of_scenes && such.is_mean_of_scenes);
+    EXPECT_EQ(these.ratio, to_ratio(mean_log_ratio(ratios)));
+    EXPECT_EQ(these.p, p_value(mean_log_ratio(ratios)));
+    EXPECT_NEAR(these.ratio->value, std::exp(values[0] + 0.2), 1e-12);
+    EXPECT_EQ(such.ratio, geometric_mean_over_scenes(values));
+    EXPECT_TRUE(such.ratio->interval);
+    EXPECT_FALSE(such.p);
+    adjust_p_values({&comparison, 1});
+    EXPECT_TRUE(comparison.cells[10].adjusted_p);
+    EXPECT_FALSE(comparison.cells[11].adjusted_p || comparison.cells[11].differs());
+}
+
+TEST_F(ComparisonTest, MeansOverScenesNeedEveryRatioAndHonestOnes) {
+    const Comparison whole = five_scenes();
+    Comparison dishonest = whole;
+    dishonest.cells[3].ratio_log->why_none = NoInterval::HeavyTail;
+    add_means_over_scenes(dishonest, false);
+    for (const std::size_t i : {10U, 11U}) {
+        EXPECT_FALSE(dishonest.cells[i].ratio->interval || dishonest.cells[i].p);
+        EXPECT_EQ(dishonest.cells[i].ratio->why_none, NoInterval::HeavyTail);
+    }
+    Comparison lacking = whole;
+    lacking.cells[3].ratio_log.reset();
+    add_means_over_scenes(lacking, false);
+    EXPECT_EQ(lacking.cells.size(), 10U);
+}
+
+TEST_F(ComparisonTest, FewScenesSayNothingOfOthers) {
+    Comparison comparison = five_scenes();
+    comparison.scenes.back() = "Hall";
+    for (ComparedCell& cell : comparison.cells) {
+        if (cell.scene == "Box/4") cell.scene = "Hall";
+    }
+    add_means_over_scenes(comparison, true);
+    EXPECT_EQ(comparison.scenes[5], "geometric mean of these 4 scenes of Box");
+    EXPECT_EQ(comparison.scenes[8], "geometric mean of scenes like this of Hall");
+    EXPECT_TRUE(comparison.cells[10].ratio->interval);
+    EXPECT_EQ(comparison.cells[11].ratio->why_none, NoInterval::TooFewToResample);
 }
 
 }  // namespace

@@ -247,10 +247,27 @@ TEST_F(FindingsTest, AProportionWithoutSpreadIsNotDecided) {
 
 TEST_F(FindingsTest, HeavyTailsAreMarked) {
     const auto found = findings({claim_of(Expectation::Less)}, 5, [](const Cell& cell) {
-        return cell.method == "clever" && cell.scene == "B" && cell.seed == 3 ? 9.0 : 1.0;
+        return cell.method == "clever" && cell.scene == "B" && cell.seed > 3 ? 9.0 : 1.0;
     });
     EXPECT_FALSE(found[0].has_heavy_tail);
     EXPECT_TRUE(found[1].has_heavy_tail);
+    EXPECT_TRUE(found[1].ratio->interval);
+}
+
+TEST_F(FindingsTest, OneSeedThatCarriesTheErrorDecidesNothing) {
+    const auto with_spike = [](const Cell& cell) {
+        const double error = half_and_more(cell);
+        return cell.method == "plain" && cell.scene == "B" && cell.seed == 3 ? 20 * error : error;
+    };
+    const auto found = findings(
+        {claim_of(Expectation::Less), claim_of(Expectation::Less, ClaimOver::Mean)}, 6, with_spike);
+    EXPECT_TRUE(found[0].ratio->interval);
+    for (const std::size_t i : {1U, 2U}) {
+        EXPECT_EQ(found[i].finding, Finding::NotDecided);
+        EXPECT_FALSE(found[i].ratio->interval);
+        EXPECT_EQ(found[i].reason, to_string(NoInterval::HeavyTail));
+        EXPECT_EQ(found[i].more_seeds, std::nullopt);
+    }
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "experiments/report/doubts.h"
 #include "experiments/report/report_data.h"
+#include "results/schema.h"
 #include "tests/support/made_up_store.h"
 
 namespace misbench {
@@ -258,6 +259,32 @@ TEST_F(ReportTest, DoubtsAReferenceOfFewerSamplesThanARun) {
     const std::vector<Doubt> found = doubts(store_, plan_, compare(store_, plan_));
     ASSERT_EQ(found.size(), 1U);
     EXPECT_THAT(found[0].cases, Contains("Box: 32 spp, and a run has 33"));
+}
+
+TEST_F(ReportTest, DoubtsRareSeedsThatCarryTheErrorAndNoisyReferences) {
+    for (Cell& cell : plan_.cells) {
+        if (cell.role != Role::Test) cell.budget = cell.task.budget = SampleBudget{64};
+    }
+    store_.put_experiment(plan_);
+    commit_and_measure([](Record& record) { record.statistics.steal_seconds = 0; });
+    open_database(folder_.path() / "store/results.sqlite", Database::Access::ReadWrite)
+        ->prepare("UPDATE measurements SET value = 50 * value WHERE run = ?1")
+        .bind(task_id(plan_.cells[2].task))
+        .run();
+    const std::vector<Doubt> found = doubts(store_, plan_, compare(store_, plan_));
+    ASSERT_EQ(found.size(), 2U);
+    EXPECT_EQ(found[0].kind, "no interval: " + to_string(NoInterval::HeavyTail));
+    EXPECT_THAT(found[0].cases, testing::ElementsAre(testing::MatchesRegex(
+                                    "Box, plain, 16 spp: the largest is [0-9.]+ times the "
+                                    "median")));
+    EXPECT_THAT(found[1].kind, HasSubstr("misbench reference STORE --improve"));
+    EXPECT_THAT(found[1].cases, Contains(testing::MatchesRegex("Box, clever, 16 spp: [0-9]+ %")));
+    const Report report = make_report(store_, plan_);
+    EXPECT_THAT(report.html, HasSubstr("rare seeds carry a mean, and fewer than two of them"));
+    EXPECT_THAT(report.html, HasSubstr(" §</span>"));
+    const nlohmann::json clever = data_of(report).at("metrics").at(0).at("cells").at(1);
+    EXPECT_EQ(clever.at("ratio").at("no_interval"), to_string(NoInterval::HeavyTail));
+    EXPECT_EQ(clever.at("noisy_reference"), true);
 }
 
 TEST_F(ReportTest, SumsUpWhatDisturbedTheRuns) {

@@ -30,6 +30,7 @@ void expect_same(const CellSeeds& a, const CellSeeds& b) {
     EXPECT_EQ(a.wall_seconds, b.wall_seconds);
     EXPECT_EQ(a.cpu_seconds, b.cpu_seconds);
     EXPECT_EQ(a.rays, b.rays);
+    EXPECT_TRUE(same_bits(a.reference_shares, b.reference_shares));
     ASSERT_EQ(a.values.size(), b.values.size());
     for (const auto& [metric, values] : a.values) {
         EXPECT_TRUE(same_bits(values, b.values.at(metric))) << metric;
@@ -131,6 +132,7 @@ TEST_F(RollupTest, EndsWithAChangeByAnyHand) {
     for (const std::string& change :
          {"UPDATE measurements SET value = 2 * value WHERE run = '" + task + "'",
           "DELETE FROM measurements WHERE run = '" + task + "'",
+          "UPDATE reference_noise SET share = 1 WHERE run = '" + task + "'",
           "UPDATE runs SET passes = 99 WHERE id = '" + task + "'",
           "UPDATE tasks SET state = 'failed' WHERE id = '" + task + "'",
           "UPDATE cells SET seed = 77 WHERE experiment = 'first' AND task = '" + task + "'",
@@ -179,6 +181,31 @@ TEST_F(RollupTest, RowsOfAMadeUpStoreRollUpLikeRealOnes) {
     EXPECT_FALSE(check("million"));
     roll_up(*open_database(path_ / "results.sqlite", Database::Access::ReadWrite));
     EXPECT_TRUE(check("million"));
+}
+
+TEST_F(RollupTest, ALargeStoreThatWasLeftWithoutIsRolledUpByTheFirstWhoAsks) {
+    const auto is_rolled_up = [this] {
+        return open_database(path_ / "results.sqlite", Database::Access::ReadOnly)
+                   ->integer("SELECT rolled_up FROM experiments") == 1;
+    };
+    store_.reset();
+    make_rows(path_, {.n_scenes = 10, .n_methods = 10, .n_seeds = kCellsWorthARollup / 100});
+    {
+        const FileLock somebody_writes(path_ / "lock");
+        roll_up_if_left_without(path_);
+        EXPECT_FALSE(is_rolled_up());
+    }
+    roll_up_if_left_without(path_);
+    EXPECT_TRUE(is_rolled_up());
+    EXPECT_TRUE(check("million"));
+}
+
+TEST_F(RollupTest, ASmallStoreIsLeftAlone) {
+    store_->put_experiment(made_up_plan("first", 3));
+    commit_all(*store_, made_up_plan("first", 3));
+    store_.reset();
+    roll_up_if_left_without(path_);
+    EXPECT_FALSE(check("first"));
 }
 
 }  // namespace

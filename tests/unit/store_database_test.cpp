@@ -77,16 +77,19 @@ TEST_F(StoreDatabaseTest, KnowsTheReferencesShareOfEachError) {
     Store store = open();
     store.put_experiment(plan_);
     commit_all(store, plan_);
-    EXPECT_TRUE(store.reference_shares(plan_).empty());
+    const auto cells = [&] { return store.cell_seeds(plan_.experiment, {}); };
+    EXPECT_FALSE(mean_reference_share(cells()[0]));
     store.measure(plan_);
-    const auto shares = store.reference_shares(plan_);
-    EXPECT_EQ(shares.size(), 6U);
     // Variances by samples: 1/16, a quarter of it for "clever", and 1/1024/2 of the reference.
-    const double of_plain = shares.at(task_id(made_up_task("plain", 1, SampleBudget{16})));
-    const double of_clever = shares.at(task_id(made_up_task("clever", 1, SampleBudget{16})));
+    const std::vector<double> of_plain = cells()[0].reference_shares;
+    const std::vector<double> of_clever = cells()[1].reference_shares;
     // The halves have 96 values: within a factor of two.
-    EXPECT_THAT(of_plain * 129, testing::AllOf(testing::Gt(0.5), testing::Lt(2)));
-    EXPECT_THAT(of_clever * 33, testing::AllOf(testing::Gt(0.5), testing::Lt(2)));
+    const auto within_two = testing::AllOf(testing::Gt(0.5), testing::Lt(2));
+    ASSERT_EQ(of_plain.size(), 3U);
+    EXPECT_THAT(of_plain[0] * 129, within_two);
+    EXPECT_THAT(of_clever[0] * 33, within_two);
+    EXPECT_DOUBLE_EQ(*mean_reference_share(cells()[0]),
+                     (of_plain[0] + of_plain[1] + of_plain[2]) / 3);
 }
 
 TEST(ReferenceShare, IsOneWhereNothingElseIsLeftAndZeroWithoutNoise) {
@@ -261,7 +264,7 @@ TEST_F(StoreDatabaseTest, RefusesAnotherSchemaVersionAndSaysWhatHelps) {
     }
     for (const auto access : {Store::Access::ReadOnly, Store::Access::ReadWrite}) {
         EXPECT_THAT(message_of(Errc::FailedPrecondition, [&] { open(access); }),
-                    HasSubstr("its schema is version 77, this program's is 2; `misbench reindex`"));
+                    HasSubstr("its schema is version 77, this program's is 3; `misbench reindex`"));
     }
 }
 

@@ -237,7 +237,7 @@ TEST(Table, UnfinishedFailedAndInvalidSeedsAreSaid) {
 TEST(Table, DoubtfulNumbersAreMarkedAndTheMarksExplained) {
     Comparison comparison = two_by_two();
     comparison.cells[0].few_passes = true;
-    comparison.cells[1].tail = kHeavyTail + 1;
+    comparison.cells[1].tail_verdict = TailVerdict::Heavy;
     comparison.cells[3].mean = without_interval(1.6, NoInterval::TooFewValues);
     comparison.cells[3].ratio = without_interval(1.07, NoInterval::TooFewValues);
     const Table table = table_of(comparison);
@@ -248,6 +248,85 @@ TEST(Table, DoubtfulNumbersAreMarkedAndTheMarksExplained) {
     EXPECT_THAT(to_text(table), AllOf(HasSubstr("\n† a run has fewer than 10 passes"),
                                       HasSubstr("\n‡ the largest seed is more than 3 × the"),
                                       HasSubstr("\na no interval: fewer than 3 seeds\n")));
+}
+
+TEST(Table, WhereRareSeedsCarryTheErrorAWarningStandsForTheInterval) {
+    Comparison comparison = two_by_two();
+    for (const std::size_t i : {1U, 2U}) {
+        comparison.cells[i].tail_verdict = TailVerdict::Dishonest;
+        comparison.cells[i].tail = 40;
+        comparison.cells[i].mean = without_interval(0.0061, NoInterval::HeavyTail);
+    }
+    comparison.cells[1].ratio = without_interval(0.5, NoInterval::HeavyTail);
+    comparison.cells[1].p = comparison.cells[1].adjusted_p = std::nullopt;
+    comparison.cells[3].ratio = without_interval(1.07, NoInterval::HeavyTail);
+    comparison.cells[3].mean = without_interval(1.6, NoInterval::TooFewValues);
+    const Table table = table_of(comparison);
+    EXPECT_EQ(table.rows[0].cells[1].mean, "0.00610 a");
+    EXPECT_EQ(table.rows[0].cells[1].ratio, "×0.500 a");
+    EXPECT_EQ(table.rows[0].cells[1].verdict, Verdict::None);
+    EXPECT_EQ(table.rows[1].cells[0].mean, "0.00610 a");
+    EXPECT_EQ(table.rows[1].cells[1].ratio, "×1.07 a") << "of a baseline with such a tail";
+    for (const std::string& text : {to_text(table), to_markdown(table), to_latex(table)}) {
+        EXPECT_THAT(text, AllOf(HasSubstr("a no interval: rare seeds carry a mean, and fewer"),
+                                Not(HasSubstr("‡")), Not(HasSubstr("ddag"))));
+    }
+    EXPECT_THAT(to_html(table), HasSubstr("<li>a no interval: rare seeds carry a mean"));
+    EXPECT_LT(to_text(table).find("\na no interval"), to_text(table).find("\nb no interval: few"));
+    const auto json = nlohmann::json::parse(to_json({&comparison, 1}));
+    const auto& cell = json.at("cells").at(1);
+    EXPECT_EQ(cell.at("tail_verdict"), "dishonest");
+    EXPECT_EQ(cell.at("ratio").at("no_interval"), to_string(NoInterval::HeavyTail));
+    EXPECT_EQ(cell.at("mean").at("no_interval"), to_string(NoInterval::HeavyTail));
+    EXPECT_FALSE(cell.at("ratio").contains("interval"));
+    EXPECT_THAT(to_csv({&comparison, 1}), HasSubstr(",0.0061,,,0.5,,,false,false,,,false,false,"
+                                                    "40.0,dishonest,"));
+    const std::string macros = to_latex_macros({&comparison, 1}, {});
+    EXPECT_THAT(macros, AllOf(HasSubstr("MisTwoOneSixSppRatio}"),
+                              Not(HasSubstr("BoxMisTwoOneSixSppRatioLow"))));
+}
+
+TEST(Table, ErrorsThatTheReferenceSpoilsAreMarkedInEveryFormat) {
+    Comparison comparison = two_by_two();
+    comparison.cells[1].reference_share = 0.06;
+    comparison.cells[2].reference_share = 0.05;
+    const Table table = table_of(comparison);
+    EXPECT_EQ(table.rows[0].cells[1].mean, "0.00610 ± 0.00050 §");
+    EXPECT_EQ(table.rows[1].cells[0].mean, "1.50 ± 0.25");
+    const std::string footnote =
+        "§ more than 5 % of the error is the reference's own noise: `misbench reference STORE "
+        "--improve 4`";
+    EXPECT_THAT(to_text(table), HasSubstr(footnote));
+    EXPECT_THAT(to_markdown(table), AllOf(HasSubstr("0.00610 ± 0.00050 §"), HasSubstr(footnote)));
+    EXPECT_THAT(to_latex(table),
+                AllOf(HasSubstr("0.00610 $\\pm$ 0.00050 \\S{}"), HasSubstr("% " + footnote)));
+    EXPECT_THAT(to_html(table), AllOf(HasSubstr("0.00610 ± 0.00050 §"), HasSubstr("<li>§ more")));
+    const auto json = nlohmann::json::parse(to_json({&comparison, 1}));
+    EXPECT_EQ(json.at("cells").at(0).at("reference_share"), nullptr);
+    EXPECT_EQ(json.at("cells").at(1).at("reference_share"), 0.06);
+    EXPECT_EQ(json.at("cells").at(1).at("noisy_reference"), true);
+    EXPECT_EQ(json.at("cells").at(2).at("noisy_reference"), false);
+    EXPECT_THAT(to_csv({&comparison, 1}), HasSubstr(",calm,0.06,16.0,"));
+    comparison.cells[1].reference_share.reset();
+    EXPECT_THAT(to_text(table_of(comparison)), Not(HasSubstr("§")));
+}
+
+TEST(Table, ATailHasNeitherMeansNorRatios) {
+    Comparison comparison = two_by_two();
+    comparison.metric = "tail(mse)";
+    comparison.baseline = kToNone;
+    for (ComparedCell& c : comparison.cells) {
+        c.mean = without_interval(1.25, NoInterval::NoEstimate);
+        c.ratio.reset();
+        c.adjusted_p.reset();
+    }
+    comparison.cells[3].mean.reset();  // of a median that is not above zero
+    const Table table = table_of(comparison);
+    EXPECT_EQ(table.rows[0].cells[0].mean, "1.25 a");
+    EXPECT_EQ(table.rows[0].cells[0].ratio, "");
+    EXPECT_EQ(table.rows[1].cells[1].mean, "–");
+    EXPECT_THAT(to_text(table), AllOf(HasSubstr("a no interval: it describes these seeds"),
+                                      Not(HasSubstr("mean over")), Not(HasSubstr("ratio"))));
 }
 
 TEST(Table, AnyAxesAreShownAndRowsSayWhatTellsCellsApart) {
@@ -293,6 +372,10 @@ TEST(Table, RowsAreSortedWithMeansOfScenesLast) {
     EXPECT_THAT(order("mis_2"), ElementsAre("Box", "Käfig", "all"));
     EXPECT_THAT(order("name"), ElementsAre("Box", "Käfig", "all"));
     EXPECT_THROW(order("pt2"), Error);
+    EXPECT_THAT(to_text(table_of(comparison)),
+                HasSubstr("\ngeometric means of ratios: of these scenes [from the spread of the "
+                          "seeds], of scenes like these [bootstrap-t over scenes, of 5 or more; no "
+                          "test]\n"));
     EXPECT_EQ(table_of(comparison).rows[2].cells[1].ratio, "×0.70 [0.50, 0.90]");
 }
 
@@ -411,9 +494,10 @@ TEST(TableFormats, CsvHasEveryCellInFullPrecision) {
                        csv.begin() + static_cast<std::ptrdiff_t>(end), ',')));
         at = end + 1;
     }
-    EXPECT_EQ(commas, std::vector<std::size_t>(5, 26));
+    EXPECT_EQ(commas, std::vector<std::size_t>(5, 28));
     EXPECT_THAT(csv, AllOf(HasSubstr("\nexp,mse,Box,pt,16 spp,5,5,0,0,0,0,0.3333333333333333,"
-                                     "0.0112,0.0134,,,,false,false,,,true,false,,16.0,0.25,0.5\n"),
+                                     "0.0112,0.0134,,,,false,false,,,true,false,,calm,,16.0,0.25,"
+                                     "0.5\n"),
                            HasSubstr(",0.5,0.45,0.56,false,true,0.01,0.01,false,")));
 }
 
