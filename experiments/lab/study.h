@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "experiments/statistics/intervals.h"
 #include "experiments/lab/weights.h"
+#include "experiments/statistics/intervals.h"
 
 namespace misbench::lab {
 
