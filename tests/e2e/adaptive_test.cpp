@@ -27,7 +27,7 @@ methods:
   hard: {method: path, max_depth: 3, nee: false}
 baseline: base
 seeds: {min: 4, max: 12, until: {ratio_halfwidth: 0.15}}
-budgets: [{samples: 2}]
+budgets: [{samples: 32}]
 reference: {method: base, samples: 256}
 )";
 constexpr std::size_t kFirstRound = 2 + 3 * 4;

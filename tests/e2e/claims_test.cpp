@@ -128,19 +128,19 @@ TEST_F(ClaimsCliTest, AClaimMayBeAboutImagesThatAreImportedLater) {
     own.replace(own.find("method: mis, expect: less"), 25,
                 "method: imported:theirs, against: mis, expect: more");
     std::ofstream(file("own.yaml")) << own;
-    const Outcome before = run({file("own.yaml")});
+    const Outcome before = run({file("own.yaml"), "--set", "budgets=[{samples: 64}]"});
     ASSERT_EQ(before.exit_code, 0) << before.err;
     EXPECT_THAT(before.out, HasSubstr("CornellBox, theirs: no images are imported"));
     for (const std::string seed : {"1", "2", "3", "4"}) {
         ASSERT_EQ(misbench({"render", "CornellBox", "--method", "path", "--set", "nee=false",
-                            "--spp", "2", "--size", "16x12", "--seed", seed, "-o",
+                            "--spp", "64", "--size", "16x12", "--seed", seed, "-o",
                             file("theirs-" + seed + ".exr")})
                       .exit_code,
                   0);
     }
     const Outcome imported =
         misbench({"import", file("store"), "--experiment", "first", "--scene", "CornellBox",
-                  "--pattern", "{method}-{seed}.exr", file("."), "--samples", "2"});
+                  "--pattern", "{method}-{seed}.exr", file("."), "--samples", "64"});
     ASSERT_EQ(imported.exit_code, 0) << imported.err;
     EXPECT_THAT(misbench({"claims", file("store")}).out,
                 AllOf(HasSubstr("claims of first: 1 reproduced"), HasSubstr("theirs/mis")));

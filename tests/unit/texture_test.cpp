@@ -260,7 +260,7 @@ TEST_F(TextureFile, OfExrThatIsNotOnePlainImageIsRefused) {
     const auto complaint_of = [this] { return complaint(read_file(file_)); };
     write_channels(file_, {"R", "left.G"}, Imf::HALF);
     EXPECT_THAT(complaint_of(), testing::EndsWith("its channels are R left.G; known: R G B, or Y, "
-                                                  "and A"));
+                                                  "and A; its layers: left"));
     write_channels(file_, {"Y", "RY", "BY"}, Imf::HALF);
     EXPECT_THAT(complaint_of(), testing::HasSubstr("its channels are BY RY Y"));
 
