@@ -19,18 +19,32 @@ struct Renders {
     std::vector<std::int64_t> seeds;
     std::vector<TileSums> images;
     bool few_passes = false;
+    std::optional<ErrorParts> parts;
 };
 
+// With the parts of a squared error, where there is one.
 Renders renders_of(const Store& store, const Plan& plan, const std::string& scene,
-                   const std::string& method, const Budget& budget) {
+                   const std::string& method, const Budget& budget,
+                   std::optional<ErrorPartsSum> error) {
     Renders renders;
     for (const CellRun& run : finished_runs(store, plan, scene, method, budget)) {
         const Image image = store.run_image(run.run);
         renders.seeds.push_back(run.seed);
         renders.images.push_back(tile_sums(image.width, image.height, image.rgb));
         renders.few_passes |= has_few_passes(budget, store.run(run.run)->statistics.passes);
+        if (error) error->add(image);
     }
+    if (error && error->n_images() >= 2) renders.parts = error->parts();
     return renders;
+}
+
+// Null where the plan has none.
+const Metric* first_squared_error(const Plan& plan) {
+    for (const std::string& id : plan.metrics) {
+        const Metric& metric = find_metric(id);
+        if (metric.denominator != nullptr) return &metric;
+    }
+    return nullptr;
 }
 
 bool is_planned(const Plan& plan, const std::string& scene, const std::string& method,
@@ -65,7 +79,8 @@ std::string wanted_method(const Plan& plan, const std::string& method) {
 
 // Only the renders of these seeds.
 Renders of_seeds(const Renders& renders, const std::vector<std::int64_t>& seeds) {
-    Renders kept{.seeds = {}, .images = {}, .few_passes = renders.few_passes};
+    Renders kept{
+        .seeds = {}, .images = {}, .few_passes = renders.few_passes, .parts = renders.parts};
     for (std::size_t i = 0; i < renders.seeds.size(); ++i) {
         if (std::ranges::find(seeds, renders.seeds[i]) == seeds.end()) continue;
         kept.seeds.push_back(renders.seeds[i]);
@@ -154,14 +169,23 @@ Bias find_bias(const Store& store, const Plan& plan, const BiasOptions& options)
               .budget = wanted_budget(plan, options.budget),
               .margin = options.margin,
               .alpha = options.alpha,
+              .metric = {},
               .cells = {}};
+    const Metric* metric = first_squared_error(plan);
+    if (metric != nullptr) bias.metric = metric->id;
     for (const PlannedScene& scene : plan.scenes) {
-        const Renders against = renders_of(store, plan, scene.name, bias.against, bias.budget);
+        const auto reference = reference_images(store, plan, scene.name);
+        std::optional<ErrorPartsSum> error;
+        if (reference && metric != nullptr) {
+            error.emplace(*metric, ReferencePair{reference->a, reference->b});
+        }
+        const Renders against =
+            renders_of(store, plan, scene.name, bias.against, bias.budget, std::nullopt);
         for (const std::string& method : plan.methods) {
             if (method == bias.against || !is_planned(plan, scene.name, method, bias.budget)) {
                 continue;
             }
-            const Renders renders = renders_of(store, plan, scene.name, method, bias.budget);
+            const Renders renders = renders_of(store, plan, scene.name, method, bias.budget, error);
             // Where some seeds are shared the others are left out: half pairs have no test.
             const Renders ours = of_seeds(renders, against.seeds);
             BiasCell cell = ours.seeds.empty()
@@ -169,6 +193,7 @@ Bias find_bias(const Store& store, const Plan& plan, const BiasOptions& options)
                                 : tested_cell(ours, of_seeds(against, ours.seeds), options);
             cell.scene = scene.name;
             cell.method = method;
+            cell.parts = renders.parts;
             bias.cells.push_back(std::move(cell));
         }
     }

@@ -9,6 +9,7 @@
 
 #include "experiments/plan/experiment.h"
 #include "experiments/statistics/tile_test.h"
+#include "results/metrics/error_parts.h"
 #include "results/store.h"
 
 namespace misbench {
@@ -46,6 +47,8 @@ struct BiasCell {
     bool few_passes = false;  // of a run of a time budget, on either side
     BiasFinding finding = BiasFinding::NotEnoughSeeds;
     std::optional<ImageTest> test;  // absent exactly with too few seeds
+    // Of the mean error of all valid seeds; absent with fewer than two and without a reference.
+    std::optional<ErrorParts> parts;
     // That the method has no bias at any scale in this scene, by Benjamini and Hochberg over all
     // scenes and methods.
     double adjusted_p = 1;
@@ -59,6 +62,7 @@ struct Bias {
     Budget budget;
     double margin = 0;
     double alpha = 0;
+    std::string metric;           // whose parts: the plan's first squared error; "" for none
     std::vector<BiasCell> cells;  // by scene, then method, in the plan's order
 };
 

@@ -76,6 +76,14 @@ std::string detectable_of(const BiasCell& cell) {
     return text;
 }
 
+// "0.0053 + 2e-05".
+std::string parts_of(const BiasCell& cell) {
+    if (!cell.parts) return "";
+    const double bias = cell.parts->bias_squared;
+    return fmt::format("{:.3g} {} {:.2g}", cell.parts->variance, bias < 0 ? "-" : "+",
+                       std::abs(bias));
+}
+
 std::vector<std::string> footer_of(const Bias& bias) {
     const auto any = [&bias](const auto& is_one) {
         return std::ranges::any_of(bias.cells, is_one);
@@ -91,6 +99,10 @@ std::vector<std::string> footer_of(const Bias& bias) {
                     "relative to the tile; median over tiles",
                     100 * kPower),
         "p values of the smallest tiles from 0 to 1: level without bias, high at the left with it"};
+    if (any([](const BiasCell& cell) { return cell.parts.has_value(); })) {
+        footer.push_back("variance + bias²: the parts of " + bias.metric +
+                         " over all pixels, by the cross-seed estimator, which may be negative");
+    }
     if (any([](const BiasCell& cell) { return cell.finding == BiasFinding::DarkOrRare; })) {
         footer.push_back(
             fmt::format("dark, or rare samples: more than {} of the method's light lies in tiles "
@@ -149,20 +161,20 @@ std::string histogram_of(const ScaleTest& scale) {
 }
 
 Table bias_table(const Bias& bias) {
-    Table table{
-        .title = fmt::format("bias of {} against {} at {}", bias.experiment, bias.against,
-                             to_string(bias.budget)),
-        .label_headers = {"scene", "method"},
-        .columns = {"seeds", "finding", "p", "where most", "image", "detectable", "p values"},
-        .rows = {},
-        .footer = footer_of(bias)};
+    Table table{.title = fmt::format("bias of {} against {} at {}", bias.experiment, bias.against,
+                                     to_string(bias.budget)),
+                .label_headers = {"scene", "method"},
+                .columns = {"seeds", "finding", "p", "where most", "image", "variance + bias²",
+                            "detectable", "p values"},
+                .rows = {},
+                .footer = footer_of(bias)};
     for (const BiasCell& cell : bias.cells) {
         TableRow row{.labels = {cell.scene, cell.method}, .cells = {}};
         const bool is_tested = cell.test && cell.test->strongest() != nullptr;
         for (const std::string& text :
              {seeds_of(cell), finding_of(cell),
               is_tested ? fmt::format("{:.2g}", cell.adjusted_p) : "", strongest_of(cell),
-              whole_image_of(cell), detectable_of(cell),
+              whole_image_of(cell), parts_of(cell), detectable_of(cell),
               is_tested ? histogram_of(cell.test->scales.front()) : ""}) {
             row.cells.emplace_back().mean = text;
         }
@@ -177,6 +189,7 @@ std::string bias_to_json(const Bias& bias) {
                                    {"budget", to_string(bias.budget)},
                                    {"margin", bias.margin},
                                    {"alpha", bias.alpha},
+                                   {"metric", bias.metric},
                                    {"cells", nlohmann::ordered_json::array()}};
     for (const BiasCell& cell : bias.cells) {
         nlohmann::ordered_json row = {{"scene", cell.scene},
@@ -189,6 +202,8 @@ std::string bias_to_json(const Bias& bias) {
                                       {"p", nullptr},
                                       {"p_adjusted", nullptr},
                                       {"rare_share", nullptr},
+                                      {"variance", nullptr},
+                                      {"bias_squared", nullptr},
                                       {"scales", nlohmann::ordered_json::array()}};
         if (cell.test) {
             row["is_paired"] = cell.test->is_paired;
@@ -198,6 +213,10 @@ std::string bias_to_json(const Bias& bias) {
             for (const ScaleTest& scale : cell.test->scales) {
                 row["scales"].push_back(scale_to_json(cell, scale));
             }
+        }
+        if (cell.parts) {
+            row["variance"] = cell.parts->variance;
+            row["bias_squared"] = cell.parts->bias_squared;
         }
         json["cells"].push_back(std::move(row));
     }

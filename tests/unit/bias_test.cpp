@@ -73,6 +73,10 @@ TEST_F(BiasTest, IsFoundWhereItIs) {
     const TileDifference& tile = *cell.test->strongest();
     EXPECT_EQ(tile.tile, (PixelRect{16, 8, 24, 16}));
     EXPECT_NEAR(tile.first / tile.second, 0.6, 0.05);
+    EXPECT_EQ(bias.metric, "relmse.eps0.01");
+    // R is about one, so that 0.01 below it hardly counts.
+    EXPECT_NEAR(cell.parts->bias_squared, 0.4 * 0.4 * 64 / (kWidth * kHeight), 1e-3);
+    EXPECT_THAT(bias_to_json(bias), HasSubstr("\"bias_squared\": 0.00"));
 
     const Image map = bias_map(cell, cell.test->scales.front());
     const auto pixel = static_cast<std::size_t>(3 * (12 * kWidth + 20));
