@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "experiments/analysis/filter.h"
+#include "experiments/statistics/bootstrap.h"
 #include "experiments/statistics/multiplicity.h"
 #include "renderer/base/error.h"
 
@@ -298,6 +299,12 @@ std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b) 
         a.tail_verdict != TailVerdict::Dishonest && b.tail_verdict != TailVerdict::Dishonest;
     if (ratio && !ratio->why_none && !is_honest) ratio->why_none = NoInterval::HeavyTail;
     return ratio;
+}
+
+std::optional<Estimate> bootstrap_ratio(const ComparedCell& a, const ComparedCell& b) {
+    if (!are_paired(a, b)) return bootstrap_ratio(a.values, b.values);
+    const Pairs pairs = pairs_of(a, b);
+    return bootstrap_paired_ratio(pairs.a, pairs.b);
 }
 
 std::string status_of(const ComparedCell& cell) {

@@ -78,6 +78,8 @@ bool are_paired(const ComparedCell& a, const ComparedCell& b);
 // log(mean(a)/mean(b)), of pairs where there are, over the seeds that both have. Absent like
 // ComparedCell::ratio; it says nothing but its value where the tail of one of the two is dishonest.
 std::optional<LogRatio> log_ratio(const ComparedCell& a, const ComparedCell& b);
+// The ratio with its interval by the bootstrap-t: a check of log_ratio's. Absent like it.
+std::optional<Estimate> bootstrap_ratio(const ComparedCell& a, const ComparedCell& b);
 
 // "4 of 5 seeds: 1 failed"; "" when all seeds are measured.
 std::string status_of(const ComparedCell& cell);

@@ -29,6 +29,8 @@ class Doubter {
             {few_passes_footnote(), cells_with(&ComparedCell::few_passes)},
             {heavy_tail_footnote(), tails(TailVerdict::Heavy)},
             {"no interval: " + to_string(NoInterval::HeavyTail), tails(TailVerdict::Dishonest)},
+            {"ratios of which only one interval excludes 1, log-delta-t's or the bootstrap-t's",
+             disputed_ratios()},
             {noisy_reference_footnote(), noisy_references()},
             {"references of fewer samples than a run they judge", small_references()},
             {fmt::format("runs of which a hypervisor stole more than {:.0f} %", 100 * kMuchSteal),
@@ -92,6 +94,26 @@ class Doubter {
             cases.push_back(place_of(cell.scene, cell.method, cell.budget));
             if (!cell.tail) continue;
             cases.back() += fmt::format(": the largest is {:.3g} times the median", *cell.tail);
+        }
+        return cases;
+    }
+
+    std::vector<std::string> disputed_ratios() const {
+        std::vector<std::string> cases;
+        for (const ComparedCell& cell : comparison_.cells) {
+            if (!cell.ratio || !cell.ratio->interval) continue;
+            const ComparedCell* baseline =
+                comparison_.find(cell.scene, comparison_.baseline, cell.budget);
+            const std::optional<Estimate> check = bootstrap_ratio(cell, *baseline);
+            if (!check || !check->interval || excludes_one(*check) == cell.ratio_excludes_one()) {
+                continue;
+            }
+            const auto shown = [](const Interval& i) {
+                return fmt::format("[{:.4g}, {:.4g}]", i.low, i.high);
+            };
+            cases.push_back(fmt::format(
+                "{}: ×{:.4g} {}, bootstrap-t {}", place_of(cell.scene, cell.method, cell.budget),
+                cell.ratio->value, shown(*cell.ratio->interval), shown(*check->interval)));
         }
         return cases;
     }

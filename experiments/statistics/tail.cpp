@@ -46,19 +46,6 @@ std::optional<double> max_over_median(std::span<const double> values) {
     return unit ? std::optional(*std::ranges::max_element(values) / *unit) : std::nullopt;
 }
 
-std::optional<double> hill_index(std::span<const double> values) {
-    if (values.size() < kFewestForHill) return std::nullopt;
-    std::vector<double> sorted(values.begin(), values.end());
-    std::ranges::sort(sorted, std::greater<>());
-    const std::size_t k = sorted.size() / 5;
-    if (sorted[k] <= 0) return std::nullopt;
-    double mean_log = 0;
-    for (std::size_t i = 0; i < k; ++i) {
-        mean_log += std::log(sorted[i] / sorted[k]) / static_cast<double>(k);
-    }
-    return mean_log > 0 ? std::optional(1 / mean_log) : std::nullopt;
-}
-
 std::string to_string(TailVerdict verdict) {
     switch (verdict) {
         case TailVerdict::Calm:

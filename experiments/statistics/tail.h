@@ -1,8 +1,5 @@
 // Whether rare seeds carry a method's error: then few seeds say little, and look as if they said
 // much, for a mean is smallest just when the rare seeds are missing, and its spread with it.
-//
-// [Hill75] B. M. Hill, A Simple General Approach to Inference About the Tail of a Distribution,
-//          Annals of Statistics 3(5), 1975.
 #pragma once
 
 #include <optional>
@@ -20,12 +17,6 @@ inline constexpr double kHeavyTail = 3;
 // Largest over median value. Absent below kFewestForInterval values, and for a median that is not
 // above zero.
 std::optional<double> max_over_median(std::span<const double> values);
-
-// The index α of a tail P(x) ~ x^-α, from the largest fifth of the values: at 2 and below the
-// spread of the values is no finite number, and no interval from it means anything.  [Hill75]
-// Absent below kFewestForHill values, and where they are not above zero or all the same.
-inline constexpr int kFewestForHill = 20;
-std::optional<double> hill_index(std::span<const double> values);
 
 enum class TailVerdict {
     Calm,

@@ -195,19 +195,6 @@ TEST(Tail, IsJudgedByItsWeightAndByHowOftenItWasMet) {
     EXPECT_EQ(judge_tail(Values{-1, -1, 5}), TailVerdict::Calm);
 }
 
-TEST(Tail, HasTheIndexThatValuesWereDrawnWith) {
-    std::mt19937_64 random(3);
-    std::uniform_real_distribution<double> uniform;
-    for (const double index : {1.5, 3.0}) {
-        Values values;
-        for (int i = 0; i < 5'000; ++i) values.push_back(std::pow(1 - uniform(random), -1 / index));
-        EXPECT_NEAR(hill_index(values).value(), index, 0.15 * index);
-    }
-    EXPECT_EQ(hill_index(Values(19, 1.0)), std::nullopt);
-    EXPECT_EQ(hill_index(Values(20, 1.0)), std::nullopt);
-    EXPECT_EQ(hill_index(Values(20, -1.0)), std::nullopt);
-}
-
 TEST(Bootstrap, GivesTheSameIntervalForTheSameValuesAndNoneForTooFew) {
     const Values a = {1.0, 1.5, 1.25, 2.0, 1.75};
     const Values b = {3.0, 2.5, 3.5, 3.25, 2.75};

@@ -13,6 +13,7 @@
 
 #include "experiments/report/doubts.h"
 #include "experiments/report/report_data.h"
+#include "experiments/statistics/bootstrap.h"
 #include "results/schema.h"
 #include "tests/support/made_up_store.h"
 
@@ -285,6 +286,27 @@ TEST_F(ReportTest, DoubtsRareSeedsThatCarryTheErrorAndNoisyReferences) {
     const nlohmann::json clever = data_of(report).at("metrics").at(0).at("cells").at(1);
     EXPECT_EQ(clever.at("ratio").at("no_interval"), to_string(NoInterval::HeavyTail));
     EXPECT_EQ(clever.at("noisy_reference"), true);
+}
+
+TEST_F(ReportTest, DoubtsRatiosOnWhichTheIntervalsDisagree) {
+    plan_ = made_up_plan("first", 6);
+    store_.put_experiment(plan_);
+    commit_and_measure([](Record& record) { record.statistics.steal_seconds = 0; });
+    Comparison comparison = compare(store_, plan_);
+    const auto disputed = [&] {
+        std::vector<std::string> cases;
+        for (const Doubt& doubt : doubts(store_, plan_, comparison)) {
+            if (doubt.kind.find("bootstrap-t") != std::string::npos) cases = doubt.cases;
+        }
+        return cases;
+    };
+    EXPECT_THAT(disputed(), testing::IsEmpty());  // both exclude 1
+    ComparedCell& clever = comparison.cells[1];
+    const Estimate check = *bootstrap_ratio(clever, comparison.cells[0]);
+    EXPECT_EQ(check, *bootstrap_paired_ratio(clever.values, comparison.cells[0].values));
+    clever.ratio->interval->high = 1.1;
+    EXPECT_THAT(disputed(), testing::ElementsAre(testing::MatchesRegex(
+                                "Box, clever, 16 spp: ×0.* 1.1], bootstrap-t .0.*]")));
 }
 
 TEST_F(ReportTest, SumsUpWhatDisturbedTheRuns) {
