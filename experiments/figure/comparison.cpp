@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "experiments/figure/clear_best.h"
 #include "experiments/figure/colour_map.h"
@@ -66,10 +67,27 @@ class ComparisonMaker {
                 "Bold: best, and different from each other method at a false discovery rate of 5 "
                 "%.");
         }
+        for (const NoInterval reason : reasons_for_no_interval()) {
+            grid.notes.push_back("No interval: " + to_string(reason) + ".");
+        }
         return grid;
     }
 
  private:
+    // Of the ratios below images.
+    std::set<NoInterval> reasons_for_no_interval() const {
+        std::set<NoInterval> reasons;
+        for (const SceneEntry& scene : query_.scenes) {
+            for (const std::string& method : query_.methods) {
+                const ComparedCell* cell =
+                    query_.comparison.find(scene.name.value, method, budget_);
+                if (cell == nullptr || !cell->ratio || !cell->ratio->why_none) continue;
+                reasons.insert(*cell->ratio->why_none);
+            }
+        }
+        return reasons;
+    }
+
     static bool has_bold(const std::vector<SceneViews>& scenes) {
         return std::ranges::any_of(scenes, [](const SceneViews& scene) {
             return scene.best || std::ranges::any_of(scene.parts, [](const PartNumbers& part) {

@@ -295,6 +295,17 @@ TEST_F(FigureTest, NumbersInAutomaticCropsAreNotBold) {
     EXPECT_EQ(bold_insets("{auto: 1, size: [8, 4]}"), 0);
 }
 
+TEST_F(FigureTest, AMissingIntervalIsSaid) {
+    const Plan two = made_up_plan("two", 2);
+    store_.put_experiment(two);
+    commit_all(store_, two);
+    store_.measure(two);
+    EXPECT_THAT(texts_of(figure("kind: comparison, experiment: two")),
+                Contains("No interval: fewer than 3 seeds."));
+    EXPECT_THAT(texts_of(figure("kind: comparison, experiment: first")),
+                Not(Contains(HasSubstr("No interval"))));
+}
+
 TEST_F(FigureTest, MissingRunsAreSaid) {
     Plan longer = made_up_plan("longer", 4);
     longer.scenes.push_back({.name = "Other", .exposure = 0});
