@@ -104,6 +104,7 @@ class Doubter {
             if (!cell.ratio || !cell.ratio->interval) continue;
             const ComparedCell* baseline =
                 comparison_.find(cell.scene, comparison_.baseline, cell.budget);
+            if (baseline == nullptr) continue;  // a mean over scenes, or a ratio to the best
             const std::optional<Estimate> check = bootstrap_ratio(cell, *baseline);
             if (!check || !check->interval || excludes_one(*check) == cell.ratio_excludes_one()) {
                 continue;
